@@ -1,0 +1,316 @@
+//! Cells on the sphere of directions, adapted to where a sampler puts its samples.
+//!
+//! Directions are described by an equal-area chart per hemisphere: v = 1 − |cos θ| and the azimuth φ, so that
+//! dω = dv dφ. The azimuth is counted from the mirror direction of `wo`: a lobe that sits there is not cut
+//! in two. Each hemisphere is halved at medians of pilot samples, alternately in v and φ, until a cell holds
+//! few of them; a lobe of α = 1e-3 thus gets as many cells as one of α = 1. The pilot samples are not used
+//! again, so the cells do not depend on the samples that are counted in them.
+
+use crate::quadrature::Rectangle;
+use crate::specimen::Direction;
+use core::f64::consts::PI;
+
+/// A point of the chart: hemisphere (0 upper, 1 lower) and (v, φ).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Point {
+    pub(crate) hemisphere: usize,
+    pub(crate) at: [f64; 2],
+}
+
+/// The equal-area chart of directions for one `wo`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chart {
+    /// Cosine and sine of the azimuth of the mirror direction.
+    mirror: [f64; 2],
+}
+
+impl Chart {
+    pub(crate) fn new(wo: Direction) -> Self {
+        let sine = wo[0].hypot(wo[1]);
+        let mirror = if sine > 0.0 { [-wo[0] / sine, -wo[1] / sine] } else { [1.0, 0.0] };
+        Self { mirror }
+    }
+
+    pub(crate) fn point(&self, [x, y, z]: Direction) -> Point {
+        let [c, s] = self.mirror;
+        // Near the pole x and y carry the digits that 1 − |z| has lost.
+        let v = if z.abs() > 0.5 { (x * x + y * y) / (1.0 + z.abs()) } else { 1.0 - z.abs() };
+        let phi = libm::atan2(c * y - s * x, c * x + s * y);
+        Point { hemisphere: usize::from(z < 0.0), at: [v, phi] }
+    }
+
+    /// Directions of a grid over (v, φ), the second coordinate fastest.
+    pub(crate) fn directions<const N: usize>(
+        &self,
+        hemisphere: usize,
+        vs: &[f64; N],
+        phis: &[f64; N],
+        directions: &mut [Direction],
+    ) {
+        let [c, s] = self.mirror;
+        let azimuths = phis.map(|phi| {
+            let (sin, cos) = libm::sincos(phi);
+            [c * cos - s * sin, s * cos + c * sin]
+        });
+        for (i, v) in vs.iter().enumerate() {
+            let sin_theta = (v * (2.0 - v)).sqrt();
+            let z = if hemisphere == 0 { 1.0 - v } else { v - 1.0 };
+            for (j, [cos, sin]) in azimuths.iter().enumerate() {
+                directions[i * N + j] = [sin_theta * cos, sin_theta * sin, z];
+            }
+        }
+    }
+}
+
+/// How many nested resolutions a partition has.
+pub(crate) const RESOLUTIONS: usize = 3;
+
+/// Halvings at which the coarser resolutions stop; the finest takes every cell.
+const COARSE_DEPTHS: [usize; RESOLUTIONS - 1] = [4, 6];
+
+/// A cell of the finest resolution.
+#[derive(Clone, Debug)]
+pub(crate) struct Cell {
+    pub(crate) hemisphere: usize,
+    /// Rectangles that tile the cell and follow the density inside it, for integration.
+    pub(crate) pieces: Vec<Rectangle>,
+    /// The group that the cell belongs to, per resolution from coarse to fine.
+    pub(crate) groups: [usize; RESOLUTIONS],
+}
+
+#[derive(Clone, Copy)]
+enum Node {
+    Split { axis: usize, at: f64, children: [usize; 2] },
+    Leaf(usize),
+}
+
+/// A partition of the sphere into cells.
+#[derive(Clone)]
+pub(crate) struct Partition {
+    pub(crate) chart: Chart,
+    pub(crate) cells: Vec<Cell>,
+    /// Number of groups per resolution.
+    pub(crate) groups: [usize; RESOLUTIONS],
+    nodes: Vec<Node>,
+    roots: [usize; 2],
+}
+
+impl Partition {
+    /// Cells in which no fewer than `smallest` of the pilot points lie. A cell is not halved where a half would
+    /// be narrower than `resolution` \[rad\], below which a specimen cannot resolve directions; the pieces that
+    /// it is integrated over still are.
+    pub(crate) fn new(chart: Chart, mut pilot: Vec<Point>, smallest: usize, resolution: f64) -> Self {
+        let mut partition =
+            Self { chart, cells: Vec::new(), groups: [0; RESOLUTIONS], nodes: Vec::new(), roots: [0; 2] };
+        pilot.sort_by_key(|point| point.hemisphere);
+        let upper = pilot.partition_point(|point| point.hemisphere == 0);
+        let (above, below) = pilot.split_at_mut(upper);
+        let whole = Rectangle { low: [0.0, -PI], high: [1.0, PI] };
+        for (hemisphere, points) in [above, below].into_iter().enumerate() {
+            let mut growth = Growth { partition: &mut partition, hemisphere, smallest, resolution };
+            let root = growth.grow(points, whole, 0, [None; RESOLUTIONS]);
+            partition.roots[hemisphere] = root;
+        }
+        partition
+    }
+
+    /// The cell that a direction lies in.
+    pub(crate) fn cell(&self, direction: Direction) -> usize {
+        let point = self.chart.point(direction);
+        let mut node = self.roots[point.hemisphere];
+        loop {
+            match self.nodes[node] {
+                Node::Leaf(cell) => return cell,
+                Node::Split { axis, at, children } => node = children[usize::from(point.at[axis] >= at)],
+            }
+        }
+    }
+}
+
+struct Growth<'a> {
+    partition: &'a mut Partition,
+    hemisphere: usize,
+    smallest: usize,
+    resolution: f64,
+}
+
+impl Growth<'_> {
+    fn grow(
+        &mut self,
+        points: &mut [Point],
+        rectangle: Rectangle,
+        depth: usize,
+        mut groups: [Option<usize>; RESOLUTIONS],
+    ) -> usize {
+        let index = self.partition.nodes.len();
+        self.partition.nodes.push(Node::Leaf(usize::MAX));
+        for (level, &coarse) in COARSE_DEPTHS.iter().enumerate() {
+            if depth == coarse {
+                groups[level] = Some(self.new_group(level));
+            }
+        }
+        let Some((axis, at)) = self.halving(points, rectangle, depth, self.resolution) else {
+            let mut pieces = Vec::new();
+            self.cut(points, rectangle, depth, &mut pieces);
+            let groups = core::array::from_fn(|level| groups[level].unwrap_or_else(|| self.new_group(level)));
+            self.partition.nodes[index] = Node::Leaf(self.partition.cells.len());
+            self.partition.cells.push(Cell { hemisphere: self.hemisphere, pieces, groups });
+            return index;
+        };
+        let (lower, upper) = halves(points, axis, at);
+        let [low, high] = rectangle.split(axis, at);
+        let children = [self.grow(lower, low, depth + 1, groups), self.grow(upper, high, depth + 1, groups)];
+        self.partition.nodes[index] = Node::Split { axis, at, children };
+        index
+    }
+
+    /// Cuts a cell further, as if directions could be resolved without limit.
+    fn cut(&self, points: &mut [Point], rectangle: Rectangle, depth: usize, pieces: &mut Vec<Rectangle>) {
+        let Some((axis, at)) = self.halving(points, rectangle, depth, 0.0) else {
+            pieces.extend(graded(rectangle, around(points)));
+            return;
+        };
+        let (lower, upper) = halves(points, axis, at);
+        let [low, high] = rectangle.split(axis, at);
+        self.cut(lower, low, depth + 1, pieces);
+        self.cut(upper, high, depth + 1, pieces);
+    }
+
+    fn new_group(&mut self, level: usize) -> usize {
+        let group = self.partition.groups[level];
+        self.partition.groups[level] += 1;
+        group
+    }
+
+    /// Axis and median at which a cell is halved, if both halves keep enough points and width; the axes take
+    /// turns.
+    fn halving(
+        &self,
+        points: &mut [Point],
+        rectangle: Rectangle,
+        depth: usize,
+        resolution: f64,
+    ) -> Option<(usize, f64)> {
+        if points.len() < 2 * self.smallest {
+            return None;
+        }
+        [depth % 2, (depth + 1) % 2].into_iter().find_map(|axis| {
+            points.sort_by(|a, b| a.at[axis].total_cmp(&b.at[axis]));
+            let [v, _] = points[points.len() / 2].at;
+            let at = points[points.len() / 2].at[axis];
+            let lower = points.partition_point(|point| point.at[axis] < at);
+            let sin_theta = (v * (2.0 - v)).max(0.0).sqrt();
+            // An angle along the meridian is dv / sin θ, along the parallel sin θ dφ.
+            let narrowest = if axis == 0 { resolution * sin_theta } else { resolution / sin_theta };
+            let wide = at - rectangle.low[axis] > narrowest && rectangle.high[axis] - at > narrowest;
+            (wide && lower.min(points.len() - lower) >= self.smallest).then_some((axis, at))
+        })
+    }
+}
+
+/// The points on either side of a cut.
+fn halves(points: &mut [Point], axis: usize, at: f64) -> (&mut [Point], &mut [Point]) {
+    points.sort_by(|a, b| a.at[axis].total_cmp(&b.at[axis]));
+    let middle = points.partition_point(|point| point.at[axis] < at);
+    points.split_at_mut(middle)
+}
+
+/// The rectangle that holds the middle four fifths of the points along each axis: one stray point in the tail
+/// of a lobe must not stretch it.
+fn around(points: &mut [Point]) -> Option<Rectangle> {
+    let last = points.len().checked_sub(1)?;
+    let [first, second] = [0, 1].map(|axis| {
+        points.sort_by(|a, b| a.at[axis].total_cmp(&b.at[axis]));
+        [points[last / 10].at[axis], points[last - last / 10].at[axis]]
+    });
+    Some(Rectangle { low: [first[0], second[0]], high: [first[1], second[1]] })
+}
+
+/// A rectangle cut into pieces that grow by a factor away from the rectangle that holds most of its points.
+///
+/// An outer rectangle reaches from its pilot points to the end of the chart. For a lobe of α = 1e-3 that is a
+/// million times their extent, and a rule applied to the whole would see nothing of the lobe.
+fn graded(rectangle: Rectangle, around: Option<Rectangle>) -> Vec<Rectangle> {
+    let [firsts, seconds] = [0, 1].map(|axis| {
+        let core = around.map(|around| [around.low[axis], around.high[axis]]);
+        cuts([rectangle.low[axis], rectangle.high[axis]], core)
+    });
+    let pairs = |cuts: Vec<f64>| cuts.windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>();
+    let (firsts, seconds) = (pairs(firsts), pairs(seconds));
+    let piece = |first: [f64; 2], second: [f64; 2]| Rectangle {
+        low: [first[0], second[0]],
+        high: [first[1], second[1]],
+    };
+    firsts.iter().flat_map(|&first| seconds.iter().map(move |&second| piece(first, second))).collect()
+}
+
+/// Where an interval is cut, ascending, both ends included: ever wider away from `core`.
+fn cuts([low, high]: [f64; 2], core: Option<[f64; 2]>) -> Vec<f64> {
+    const GROWTH: f64 = 4.0;
+    let Some([core_low, core_high]) = core.filter(|core| core[1] > core[0]) else {
+        // Nothing is known about where the density is: even pieces.
+        return (0..=8).map(|i| low + (high - low) * f64::from(i) / 8.0).collect();
+    };
+    let mut cuts = vec![low, high];
+    let (mut below, mut above) = (core_low, core_high);
+    let mut reach = core_high - core_low;
+    while below - reach > low || above + reach < high {
+        if below - reach > low {
+            cuts.push(below);
+            below -= reach;
+        }
+        if above + reach < high {
+            cuts.push(above);
+            above += reach;
+        }
+        reach *= GROWTH;
+    }
+    cuts.sort_by(f64::total_cmp);
+    cuts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_chart_gives_back_the_direction() {
+        for wo in [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [-0.3, 0.4, -0.75_f64.sqrt()]] {
+            let chart = Chart::new(wo);
+            for w in [[1e-9, 0.0, 1.0], [0.6, 0.0, -0.8], [-0.48, 0.64, 0.6], [0.0, -1.0, 1e-9]] {
+                let Point { hemisphere, at } = chart.point(w);
+                let mut back = [[0.0; 3]];
+                chart.directions(hemisphere, &[at[0]], &[at[1]], &mut back);
+                for axis in 0..3 {
+                    assert!((back[0][axis] - w[axis]).abs() < 1e-14, "{w:?} {back:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn cells_tile_the_sphere_and_hold_their_points() {
+        let chart = Chart::new([0.6, 0.0, 0.8]);
+        let points: Vec<_> = (0..4096)
+            .map(|i| {
+                let t = f64::from(i) / 4096.0;
+                let at = [1e-6 * t, PI * (2.0 * (f64::from(i) * 0.618_033_988_749).fract() - 1.0)];
+                Point { hemisphere: 0, at }
+            })
+            .collect();
+        let partition = Partition::new(chart, points.clone(), 16, 0.0);
+        let pieces = partition.cells.iter().flat_map(|cell| &cell.pieces);
+        let area: f64 = pieces.map(|p| (p.high[0] - p.low[0]) * (p.high[1] - p.low[1])).sum();
+        assert!((area - 4.0 * PI).abs() < 1e-11, "{area}");
+        assert_eq!(partition.cells.len(), 256 + 1);
+        assert_eq!(partition.groups, [17, 65, 257]);
+        let mut counts = vec![0; partition.cells.len()];
+        let mut directions = [[0.0; 3]];
+        for point in points {
+            chart.directions(0, &[point.at[0]], &[point.at[1]], &mut directions);
+            counts[partition.cell(directions[0])] += 1;
+        }
+        let crowded = counts.iter().filter(|&&count| (14..=18).contains(&count)).count();
+        assert!(crowded > 250, "{counts:?}");
+    }
+}

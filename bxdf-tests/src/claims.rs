@@ -1,0 +1,97 @@
+//! What a specimen promises. Suites check promises; they demand nothing else.
+
+use crate::suite::Suite;
+
+/// The floating-point type that a specimen computes in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Precision {
+    /// Single precision.
+    F32,
+    /// Double precision.
+    F64,
+}
+
+impl Precision {
+    /// Distance from 1 to the next larger number.
+    pub fn epsilon(self) -> f64 {
+        match self {
+            Self::F32 => f64::from(f32::EPSILON),
+            Self::F64 => f64::EPSILON,
+        }
+    }
+}
+
+/// How much of the energy that arrives leaves again, in the measure of power.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Energy {
+    /// At most all of it.
+    Conserving,
+    /// All of it.
+    Lossless,
+}
+
+/// A smooth boundary with exact Fresnel reflectance: the index below over the index above, per channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Boundary {
+    /// Real part of the relative index.
+    pub eta: [f64; 3],
+    /// Extinction: imaginary part of the relative index.
+    pub k: [f64; 3],
+}
+
+/// A claim that is known not to hold, with the reason. The suite runs all the same, and a waiver that is no
+/// longer needed is a violation.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Waiver {
+    /// The suite that is expected to find a violation.
+    pub suite: Suite,
+    /// Why that is accepted.
+    pub reason: String,
+}
+
+/// What a specimen promises.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Claims {
+    /// The precision it computes in; tolerances follow from it.
+    pub precision: Precision,
+    /// Scatters light that arrives from below as well.
+    pub two_sided: bool,
+    /// Scatters light to the other side.
+    pub transmits: bool,
+    /// Does not change under rotation about the normal.
+    pub isotropic: bool,
+    /// Obeys Helmholtz reciprocity, with η² across a boundary.
+    pub reciprocal: bool,
+    /// The energy that it returns, if it promises anything about that.
+    pub energy: Option<Energy>,
+    /// Exact Fresnel reflectance of this boundary.
+    pub boundary: Option<Boundary>,
+    /// Exposes a micro surface through [`crate::Specimen::microsurface`].
+    pub microfacet: bool,
+    /// Suites that are expected to find a violation.
+    pub waivers: Vec<Waiver>,
+}
+
+impl Claims {
+    /// The claims of an ordinary reflector: one-sided, isotropic, reciprocal, conserving energy.
+    pub fn reflector(precision: Precision) -> Self {
+        Self {
+            precision,
+            two_sided: false,
+            transmits: false,
+            isotropic: true,
+            reciprocal: true,
+            energy: Some(Energy::Conserving),
+            boundary: None,
+            microfacet: false,
+            waivers: Vec::new(),
+        }
+    }
+
+    /// The same claims with one waived.
+    pub fn waive(mut self, suite: Suite, reason: &str) -> Self {
+        self.waivers.push(Waiver { suite, reason: reason.to_owned() });
+        self
+    }
+}

@@ -1,0 +1,140 @@
+//! What a run does: which directions, how many samples, which seeds, and how sure a verdict must be.
+
+use crate::claims::Claims;
+use crate::specimen::{Direction, Specimen, Transport};
+use crate::verdict::Witness;
+use rand_pcg::Pcg64;
+
+/// The probability that a run over correct specimens reports any violation at all.
+pub const FAMILY_ERROR_RATE: f64 = 1e-6;
+
+/// Statistical checks per pair of direction and transport mode: χ² at three resolutions, its
+/// rare cells, the rate of no-sample, and the mean weight of three channels.
+pub(crate) const CHECKS_PER_SETTING: usize = 8;
+
+/// The plan of a run.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Mixed into the seed of every trial.
+    pub run_seed: u64,
+    /// Random samples per setting (direction and transport mode).
+    pub samples: usize,
+    /// How many statistical checks the whole run makes; they share [`FAMILY_ERROR_RATE`].
+    pub family: usize,
+}
+
+/// A given direction and what is carried: what one set of samples is drawn for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Setting {
+    /// The given direction.
+    pub(crate) wo: Direction,
+    /// What is carried.
+    pub(crate) transport: Transport,
+    /// Polar angle \[deg\] and azimuth \[rad\] that the direction was made from.
+    polar_deg: f64,
+    azimuth: f64,
+    from_above: bool,
+}
+
+impl Setting {
+    pub(crate) fn witness(&self) -> Witness {
+        Witness::at(self.wo, self.transport)
+    }
+
+    fn name(&self) -> String {
+        let side = if self.from_above { "above" } else { "below" };
+        format!("{side} {} deg {} rad {:?}", self.polar_deg, self.azimuth, self.transport)
+    }
+}
+
+impl Plan {
+    /// Samples per setting unless told otherwise.
+    pub const DEFAULT_SAMPLES: usize = 1 << 19;
+
+    /// The plan of a run over the given specimens.
+    pub fn new<'a>(run_seed: u64, specimens: impl IntoIterator<Item = &'a dyn Specimen>) -> Self {
+        let family = specimens
+            .into_iter()
+            .map(|specimen| CHECKS_PER_SETTING * settings(&specimen.claims()).len())
+            .sum::<usize>();
+        Self { run_seed, samples: Self::DEFAULT_SAMPLES, family: family.max(1) }
+    }
+
+    /// ln of the level of each statistical check (Bonferroni over the family).
+    pub fn ln_level(&self) -> f64 {
+        (FAMILY_ERROR_RATE / self.family as f64).ln()
+    }
+
+    /// Random numbers for one trial. The trial's name is the whole of its identity: neither order nor thread
+    /// count nor the other trials change its samples.
+    pub(crate) fn generator(&self, specimen: &str, setting: &Setting, purpose: &str) -> Pcg64 {
+        self.named_generator(&format!("{specimen} | {} | {purpose}", setting.name()))
+    }
+
+    /// Random numbers for a trial that belongs to no single setting.
+    pub(crate) fn named_generator(&self, trial: &str) -> Pcg64 {
+        let state = fnv1a(trial) ^ (u128::from(self.run_seed) << 64 | u128::from(self.run_seed));
+        Pcg64::new(state, fnv1a(&format!("stream {trial}")))
+    }
+}
+
+/// The seed of a test run: `BXDF_TESTS_SEED` if that is set to a number, otherwise another one each time.
+///
+/// No seed stands in a test, so none can be picked until the test is green; every verdict prints the seed.
+pub fn run_seed() -> u64 {
+    let given = std::env::var("BXDF_TESTS_SEED").ok().and_then(|text| text.parse().ok());
+    given.unwrap_or_else(|| {
+        let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+        let nanoseconds = now.map_or(0, |duration| duration.as_nanos());
+        // Short enough to type again.
+        (fnv1a(&format!("{nanoseconds} {}", std::process::id())) % 1_000_000_000) as u64
+    })
+}
+
+/// The 128-bit Fowler–Noll–Vo hash (1a): the standard library's hash may change between releases.
+fn fnv1a(text: &str) -> u128 {
+    text.bytes().fold(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d, |hash, byte| {
+        (hash ^ u128::from(byte)).wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b)
+    })
+}
+
+/// Polar angles of `wo` \[deg\]; the second is 1e-3 rad.
+pub(crate) const POLAR_DEG: [f64; 8] = [0.0, 0.057_295_779_513_082_32, 30.0, 60.0, 75.0, 85.0, 89.0, 89.9];
+
+/// Azimuths of `wo` \[rad\]. Anisotropic specimens are examined at each, isotropic ones at a different one for
+/// each polar angle.
+pub(crate) const AZIMUTHS: [f64; 4] = [0.0, 0.4, core::f64::consts::FRAC_PI_2, 2.3];
+
+/// The unit vector of the given polar angle \[deg\] and azimuth \[rad\].
+pub(crate) fn direction(polar_deg: f64, azimuth: f64) -> Direction {
+    let (sin_theta, cos_theta) = libm::sincos(polar_deg.to_radians());
+    let (sin_phi, cos_phi) = libm::sincos(azimuth);
+    [sin_theta * cos_phi, sin_theta * sin_phi, cos_theta]
+}
+
+/// Every setting that a specimen with these claims is examined at.
+pub(crate) fn settings(claims: &Claims) -> Vec<Setting> {
+    let transports: &[Transport] =
+        if claims.transmits { &[Transport::Radiance, Transport::Importance] } else { &[Transport::Radiance] };
+    let sides: &[bool] = if claims.two_sided { &[true, false] } else { &[true] };
+    let mut settings = Vec::new();
+    for &from_above in sides {
+        for (i, polar_deg) in POLAR_DEG.into_iter().enumerate() {
+            // At the pole every azimuth is the same direction.
+            let one = claims.isotropic || polar_deg == 0.0;
+            let azimuths = if one { &AZIMUTHS[i % 4..][..1] } else { &AZIMUTHS };
+            for &azimuth in azimuths {
+                let [x, y, z] = direction(polar_deg, azimuth);
+                let wo = [x, y, if from_above { z } else { -z }];
+                settings.extend(transports.iter().map(|&transport| Setting {
+                    wo,
+                    transport,
+                    polar_deg,
+                    azimuth,
+                    from_above,
+                }));
+            }
+        }
+    }
+    settings
+}

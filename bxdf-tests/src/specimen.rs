@@ -1,0 +1,108 @@
+//! What the laboratory examines: anybody's BxDF behind one trait.
+
+use crate::claims::Claims;
+
+/// A unit vector in the local frame: the normal is +z, both directions leave the surface.
+pub type Direction = [f64; 3];
+
+/// What is carried along a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Transport {
+    /// From the camera.
+    Radiance,
+    /// From a light.
+    Importance,
+}
+
+/// The measure of a sample's density.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    /// A density over solid angle \[sr⁻¹\].
+    SolidAngle(f64),
+    /// The probability of a Dirac delta.
+    Discrete(f64),
+}
+
+/// A direction that a specimen sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scatter {
+    /// The sampled direction.
+    pub wi: Direction,
+    /// f · |cos θi| / pdf per channel.
+    pub weight: [f64; 3],
+    /// The density that `sample` itself reports.
+    pub density: Measure,
+    /// Index of refraction of the side entered over the side left; 1 for reflection.
+    pub eta: f64,
+}
+
+/// A BxDF under examination.
+///
+/// The three calls are the contract; everything else is claimed in [`Claims`]. A renderer with its own vector
+/// type converts at this door, about twenty lines: see `tests/your_renderer.rs`.
+///
+/// A specimen in single precision declares [`crate::Precision::F32`] and receives uniforms that are exact in
+/// `f32`; it rounds directions itself.
+pub trait Specimen: Send + Sync {
+    /// A path-like name, `family/case`; seeds are derived from it.
+    fn name(&self) -> String;
+    /// What the specimen promises.
+    fn claims(&self) -> Claims;
+    /// f(wo, wi) \[sr⁻¹\] per channel, without the cosine; 0 where scattering is a delta.
+    fn eval(&self, wo: Direction, wi: Direction, transport: Transport) -> [f64; 3];
+    /// Density \[sr⁻¹\] with which `sample` draws `wi` given `wo`; 0 where scattering is a delta.
+    fn pdf(&self, wo: Direction, wi: Direction, transport: Transport) -> f64;
+    /// Draws `wi` from three uniforms in \[0, 1); `None` where no direction comes out.
+    fn sample(&self, wo: Direction, uniforms: [f64; 3], transport: Transport) -> Option<Scatter>;
+
+    /// [`Self::eval`] for many directions; override it where batches are faster.
+    fn eval_many(&self, wo: Direction, wi: &[Direction], transport: Transport, values: &mut [[f64; 3]]) {
+        for (value, &wi) in values.iter_mut().zip(wi) {
+            *value = self.eval(wo, wi, transport);
+        }
+    }
+    /// [`Self::pdf`] for many directions; override it where batches are faster.
+    fn pdf_many(&self, wo: Direction, wi: &[Direction], transport: Transport, densities: &mut [f64]) {
+        for (density, &wi) in densities.iter_mut().zip(wi) {
+            *density = self.pdf(wo, wi, transport);
+        }
+    }
+    /// [`Self::sample`] for many uniforms; override it where batches are faster.
+    fn sample_many(
+        &self,
+        wo: Direction,
+        uniforms: &[[f64; 3]],
+        transport: Transport,
+        scatters: &mut [Option<Scatter>],
+    ) {
+        for (scatter, &uniforms) in scatters.iter_mut().zip(uniforms) {
+            *scatter = self.sample(wo, uniforms, transport);
+        }
+    }
+
+    /// The specimen's own Fresnel reflectances \[s, p\] per channel at `cos_theta_i` on the given side
+    /// (`true`: from above), for suite `fresnel`. `None` where it does not expose them.
+    fn fresnel(&self, cos_theta_i: f64, from_above: bool) -> Option<[[f64; 2]; 3]> {
+        let _ = (cos_theta_i, from_above);
+        None
+    }
+    /// The micro surface behind the lobe, for suite `microfacet`.
+    fn microsurface(&self) -> Option<&dyn Microsurface> {
+        None
+    }
+}
+
+/// The terms of a microfacet model, as the specimen computes them.
+pub trait Microsurface: Send + Sync {
+    /// Density of micro normals D(m) \[sr⁻¹\].
+    fn d(&self, m: Direction) -> f64;
+    /// Smith's Λ(w) for `w` above the surface.
+    fn lambda(&self, w: Direction) -> f64;
+    /// Masking G₁(w).
+    fn g1(&self, w: Direction) -> f64;
+    /// Masking–shadowing G₂(wo, wi) for reflection.
+    fn g2(&self, wo: Direction, wi: Direction) -> f64;
+    /// Density of visible normals \[sr⁻¹\] seen from `w`.
+    fn visible_pdf(&self, w: Direction, m: Direction) -> f64;
+}

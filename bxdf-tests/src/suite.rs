@@ -1,0 +1,192 @@
+//! The suites: one contract, one file.
+
+mod chi_square;
+mod energy;
+mod finite;
+mod fresnel;
+mod microfacet;
+mod normalised;
+mod reciprocal;
+mod weight;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::OnceLock;
+
+use crate::claims::Claims;
+use crate::plan::{Plan, Setting, settings};
+use crate::specimen::{Direction, Specimen};
+use crate::survey::{Survey, Tally};
+use crate::verdict::{Check, Ledger, Verdict, Witness};
+
+macro_rules! suites {
+    ($($variant:ident $module:ident: $statement:literal, if $applies:expr;)+) => {
+        /// A contract, with the suite of checks that examines it.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum Suite {
+            $(#[doc = $statement] $variant,)+
+        }
+
+        impl Suite {
+            /// Every suite there is.
+            pub const ALL: &[Self] = &[$(Self::$variant,)+];
+
+            /// Its name, as in the names of tests.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => stringify!($module),)+ }
+            }
+
+            /// The contract in one line.
+            pub fn statement(self) -> &'static str {
+                match self { $(Self::$variant => $statement,)+ }
+            }
+
+            /// Whether a specimen with these claims is examined.
+            pub fn applies(self, claims: &Claims) -> bool {
+                match self { $(Self::$variant => ($applies)(claims),)+ }
+            }
+
+            fn run(self, examination: &Examination<'_>, ledger: &mut Ledger) {
+                match self { $(Self::$variant => $module::run(examination, ledger),)+ }
+            }
+        }
+    };
+}
+
+fn always(_: &Claims) -> bool {
+    true
+}
+
+suites! {
+    Finite finite: "values, densities and weights are finite and not negative everywhere", if always;
+    Normalised normalised: "∫ pdf + Σ delta masses + P(no sample) = 1", if always;
+    ChiSquare chi_square: "samples follow the pdf, the deltas and the rate of no sample", if always;
+    Weight weight: "weight · pdf = f · |cos θi|, and the reported density is the pdf", if always;
+    Reciprocal reciprocal: "f(wo, wi) = f(wi, wo), with η² across a boundary", if |claims: &Claims| claims.reciprocal;
+    Energy energy: "no more energy leaves than arrives; two estimates of the albedo agree", if always;
+    Fresnel fresnel: "reflectance is that of exact complex Snell refraction", if |claims: &Claims| claims.boundary.is_some();
+    Microfacet microfacet: "∫ D cos θ = 1, masking follows from D, visible normals are normalised", if |claims: &Claims| claims.microfacet;
+}
+
+/// One specimen under examination; what several suites need is measured once.
+pub struct Examination<'a> {
+    pub(crate) specimen: &'a dyn Specimen,
+    pub(crate) name: String,
+    pub(crate) claims: Claims,
+    pub(crate) plan: &'a Plan,
+    surveys: OnceLock<Vec<Surveyed>>,
+}
+
+/// A setting with what was measured at it.
+pub(crate) struct Surveyed {
+    pub(crate) setting: Setting,
+    pub(crate) survey: Survey,
+    pub(crate) tally: Tally,
+}
+
+impl<'a> Examination<'a> {
+    /// Prepares an examination; nothing is measured yet.
+    pub fn new(specimen: &'a dyn Specimen, plan: &'a Plan) -> Self {
+        Self { specimen, name: specimen.name(), claims: specimen.claims(), plan, surveys: OnceLock::new() }
+    }
+
+    /// Name of the specimen.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What the specimen promises.
+    pub fn claims(&self) -> &Claims {
+        &self.claims
+    }
+
+    /// The verdict of one suite; `None` where the specimen claims nothing that it examines.
+    ///
+    /// A specimen that panics is violated, not the run.
+    pub fn verdict(&self, suite: Suite) -> Option<Verdict> {
+        if !suite.applies(&self.claims) {
+            return None;
+        }
+        let mut ledger = Ledger::default();
+        let result = catch_unwind(AssertUnwindSafe(|| suite.run(self, &mut ledger)));
+        if result.is_err() {
+            ledger.record(Check::new("the specimen panicked", f64::NAN, 0.0, Witness::default()));
+        }
+        let verdict = ledger.into_verdict(self.name.clone(), suite, self.plan.run_seed);
+        let waiver = self.claims.waivers.iter().find(|waiver| waiver.suite == suite);
+        Some(match waiver {
+            Some(waiver) => verdict.under_waiver(&waiver.reason),
+            None => verdict,
+        })
+    }
+
+    /// The verdicts of all suites that apply.
+    pub fn verdicts(&self) -> Vec<Verdict> {
+        Suite::ALL.iter().filter_map(|&suite| self.verdict(suite)).collect()
+    }
+
+    pub(crate) fn settings(&self) -> Vec<Setting> {
+        settings(&self.claims)
+    }
+
+    pub(crate) fn surveys(&self) -> &[Surveyed] {
+        self.surveys.get_or_init(|| {
+            self.settings()
+                .into_iter()
+                .map(|setting| {
+                    let mut survey = Survey::new(self.specimen, &self.claims, self.plan, &setting);
+                    let tally = self.tally(&mut survey, &setting, "stage 1", self.plan.samples);
+                    Surveyed { setting, survey, tally }
+                })
+                .collect()
+        })
+    }
+
+    pub(crate) fn tally(&self, survey: &mut Survey, setting: &Setting, stage: &str, samples: usize) -> Tally {
+        let mut generator = self.plan.generator(&self.name, setting, stage);
+        survey.tally(self.specimen, &self.claims, setting, &mut generator, samples)
+    }
+
+    /// How much `g` may change because directions are rounded: its largest change within 16 ε of `wi`, plus
+    /// 64 ε of its value.
+    ///
+    /// A lobe of small α turns the rounding of its inputs into a large relative error; nobody can ask for
+    /// less than the condition of the problem.
+    pub(crate) fn rounding_error(&self, wi: Direction, value: f64, g: impl Fn(Direction) -> f64) -> f64 {
+        let epsilon = self.claims.precision.epsilon();
+        let [first, second] = tangents(wi);
+        let change = [first, second]
+            .into_iter()
+            .flat_map(|tangent| [16.0 * epsilon, -16.0 * epsilon].map(|step| moved(wi, tangent, step)))
+            .map(|near| (g(near) - value).abs())
+            .fold(0.0, f64::max);
+        change + 64.0 * epsilon * value.abs()
+    }
+}
+
+/// Two unit vectors orthogonal to the unit vector `w` and to each other.
+fn tangents([x, y, z]: Direction) -> [Direction; 2] {
+    // Duff et al., JCGT 6(1), 2017.
+    let sign = 1.0_f64.copysign(z);
+    let a = -1.0 / (sign + z);
+    let b = x * y * a;
+    [[1.0 + sign * x * x * a, sign * b, -sign * x], [b, sign + y * y * a, -y]]
+}
+
+fn moved(w: Direction, tangent: Direction, step: f64) -> Direction {
+    normalized(core::array::from_fn(|i| w[i] + step * tangent[i]))
+}
+
+fn normalized(w: Direction) -> Direction {
+    let length = length(w);
+    w.map(|x| x / length)
+}
+
+fn length([x, y, z]: Direction) -> f64 {
+    (x * x + y * y + z * z).sqrt()
+}
+
+/// Runs all suites that apply on a specimen.
+pub fn examine(specimen: &dyn Specimen, plan: &Plan) -> Vec<Verdict> {
+    Examination::new(specimen, plan).verdicts()
+}

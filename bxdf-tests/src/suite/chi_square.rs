@@ -1,0 +1,209 @@
+//! Samples follow the pdf: Pearson's χ² at three resolutions, with the deltas and the no-sample cell in the
+//! same table.
+
+use super::{Examination, Surveyed};
+use crate::binning::RESOLUTIONS;
+use crate::statistics::{ln_pearson_tail, ln_poisson_upper_tail};
+use crate::survey::{Survey, Tally};
+use crate::verdict::{Check, Ledger};
+
+/// ln of the p-value below which the second, independent stage decides: 1e-4.
+const LN_GREY: f64 = -9.210_340_371_976_182;
+/// Samples of the second stage over those of the first.
+const SECOND_STAGE: usize = 4;
+/// Expected count below which cells are pooled.
+const POOLED_BELOW: f64 = 5.0;
+/// Error of the expected count, squared and in units of its variance, above which cells are pooled.
+const POOLED_ABOVE: f64 = 0.25;
+/// The error of the expected counts may reach this fraction of the statistic's standard deviation.
+const TOLERATED: f64 = 0.25;
+
+const WHAT: [&str; RESOLUTIONS] = [
+    "-log10 p of chi-square, coarse cells",
+    "-log10 p of chi-square, medium cells",
+    "-log10 p of chi-square, fine cells",
+];
+
+pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
+    let level = examination.plan.ln_level();
+    for Surveyed { setting, survey, tally } in examination.surveys() {
+        let witness = setting.witness();
+        if let Some(scatter) = &tally.unusable {
+            let what = "a sample that is not a direction with a weight";
+            ledger.record(Check::new(what, f64::NAN, 0.0, witness.with_wi(scatter.wi)));
+        }
+        let first = tails(examination, survey, tally);
+        let grey = first.iter().any(|tail| tail.ln_p < LN_GREY);
+        let second = grey.then(|| {
+            let mut survey = survey.clone();
+            let samples = SECOND_STAGE * examination.plan.samples;
+            let again = examination.tally(&mut survey, setting, "stage 2", samples);
+            tails(examination, &survey, &again)
+        });
+        for (i, first) in first.iter().enumerate() {
+            // A violation takes p₁ < 1e-4 and p₂ < level / 1e-4 on independent samples: together the level.
+            let (tail, ln_p) = match &second {
+                Some(second) if first.ln_p < LN_GREY => (&second[i], second[i].ln_p + LN_GREY),
+                _ => (first, first.ln_p),
+            };
+            let mut check = Check::p_value(tail.what, ln_p, level, tail.samples, witness);
+            check.inconclusive = tail.inconclusive;
+            ledger.record(check);
+        }
+    }
+}
+
+struct Tail {
+    what: &'static str,
+    ln_p: f64,
+    samples: u64,
+    inconclusive: bool,
+}
+
+/// A row of the table: probability, bound on its error, observed count.
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    probability: f64,
+    error: f64,
+    observed: u64,
+}
+
+impl Row {
+    fn add(&mut self, other: Row) {
+        self.probability += other.probability;
+        self.error += other.error;
+        self.observed += other.observed;
+    }
+}
+
+/// χ² at each resolution, and the most surprising of the cells that expect next to nothing.
+fn tails(examination: &Examination<'_>, survey: &Survey, tally: &Tally) -> Vec<Tail> {
+    let mut rare: Vec<Row> = Vec::new();
+    let mut samples = tally.samples as f64;
+    let mut tails: Vec<Tail> = (0..RESOLUTIONS)
+        .map(|level| {
+            let rows;
+            (rows, samples) = table(examination, survey, tally, level);
+            if level == RESOLUTIONS - 1 {
+                rare = rows.iter().copied().filter(|row| samples * row.probability < POOLED_BELOW).collect();
+            }
+            let (ln_p, inconclusive) = pearson(rows, samples);
+            Tail { what: WHAT[level], ln_p, samples: tally.samples, inconclusive }
+        })
+        .collect();
+    let surprise = rare
+        .iter()
+        .map(|row| ln_poisson_upper_tail(row.observed, samples * (row.probability.max(0.0) + row.error)))
+        .fold(0.0, f64::min);
+    tails.push(Tail {
+        what: "-log10 p of samples where the pdf is next to nothing",
+        ln_p: (surprise + (rare.len().max(1) as f64).ln()).min(0.0),
+        samples: 0,
+        inconclusive: false,
+    });
+    tails
+}
+
+/// The rows at one resolution, and how many samples they are about.
+///
+/// The no-sample cell takes what is left of 1 and so inherits the errors of all cells. Where that is too much
+/// (single precision at grazing angles) the table is conditioned on the samples that came out; suite
+/// `normalised` examines the rate itself.
+fn table(examination: &Examination<'_>, survey: &Survey, tally: &Tally, level: usize) -> (Vec<Row>, f64) {
+    let mut rows = vec![Row::default(); survey.partition.groups[level]];
+    for ((cell, &[probability, error]), &observed) in
+        survey.partition.cells.iter().zip(&survey.cell_mass).zip(&tally.cells)
+    {
+        rows[cell.groups[level]].add(Row { probability, error, observed });
+    }
+    for (atom, &observed) in survey.atoms.iter().zip(&tally.atoms) {
+        rows.push(Row { probability: atom.probability, error: 0.0, observed });
+    }
+    let [probability, error] = survey.no_sample(examination.claims.precision);
+    let none = Row { probability: probability.max(0.0), error, observed: tally.none };
+    let samples = tally.samples as f64;
+    if is_poor(&none, samples) && samples * error > 1.0 {
+        let rest = rows.iter().map(|row| row.probability).sum::<f64>();
+        for row in &mut rows {
+            row.probability /= rest;
+            row.error /= rest;
+        }
+        return (rows, samples - tally.none as f64);
+    }
+    rows.push(none);
+    (rows, samples)
+}
+
+/// Whether a row must be pooled: it expects too little, or what it expects is too uncertain.
+fn is_poor(row: &Row, samples: f64) -> bool {
+    samples * row.probability < POOLED_BELOW
+        || samples * row.error * row.error > POOLED_ABOVE * row.probability
+}
+
+/// ln p of Pearson's statistic over pooled rows, and whether the expected counts are too uncertain for it.
+fn pearson(mut rows: Vec<Row>, samples: f64) -> (f64, bool) {
+    if rows.iter().any(|row| row.probability.is_nan()) {
+        return (f64::NAN, false);
+    }
+    // Pooled by expectation and its error, never by what was observed.
+    rows.sort_by(|a, b| a.probability.total_cmp(&b.probability));
+    let mut pools: Vec<Row> = vec![Row::default()];
+    for row in rows {
+        if let Some(last) = pools.last_mut()
+            && is_poor(last, samples)
+        {
+            last.add(row);
+        } else {
+            pools.push(row);
+        }
+    }
+    // The pool filled last may lack expectation; it joins its neighbour rather than being dropped.
+    if pools.len() > 1
+        && let Some(last) = pools.pop_if(|last| is_poor(last, samples))
+        && let Some(neighbour) = pools.last_mut()
+    {
+        neighbour.add(last);
+    }
+    let total: f64 = pools.iter().map(|pool| pool.probability).sum();
+    let probabilities: Vec<f64> = pools.iter().map(|pool| pool.probability / total).collect();
+    let statistic: f64 = pools
+        .iter()
+        .map(|pool| {
+            (pool.observed as f64 - samples * pool.probability).powi(2) / (samples * pool.probability)
+        })
+        .sum();
+    let quadrature: f64 = pools.iter().map(|pool| samples * pool.error.powi(2) / pool.probability).sum();
+    // √X² is a distance; expected counts that are off by δ move it by no more than the length of δ/√E.
+    let least = (statistic.sqrt() - quadrature.sqrt()).max(0.0).powi(2);
+    let deviation = (2.0 * (pools.len() as f64 - 1.0).max(1.0)).sqrt();
+    (ln_pearson_tail(least, &probabilities, samples), quadrature > TOLERATED * deviation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(probability: f64, observed: u64) -> Row {
+        Row { probability, error: 0.0, observed }
+    }
+
+    #[test]
+    fn the_leftover_of_pooling_is_merged_not_dropped() {
+        // 0.5 expected in the rare row, 20 observed: dropping the leftover would hide them.
+        let rows = vec![row(0.5 - 2.5e-4, 480), row(0.5 - 2.5e-4, 500), row(5e-4, 20)];
+        let (merged, _) = pearson(rows, 1000.0);
+        let (dropped, _) = pearson(vec![row(0.5, 490), row(0.5, 490)], 1000.0);
+        assert!(merged > dropped - 5.0);
+        let (all, _) = pearson(vec![row(0.98, 940), row(0.02, 60)], 1000.0);
+        assert!(all < -30.0, "{all}");
+    }
+
+    #[test]
+    fn uncertain_expectations_are_inconclusive_and_never_a_violation() {
+        let sure = vec![row(0.5, 5300), row(0.5, 4700)];
+        let unsure = vec![Row { error: 0.03, ..row(0.5, 5300) }, Row { error: 0.03, ..row(0.5, 4700) }];
+        assert!(pearson(sure, 1e4).0 < -15.0);
+        let (ln_p, inconclusive) = pearson(unsure, 1e4);
+        assert!(ln_p > -1.0 && inconclusive);
+    }
+}

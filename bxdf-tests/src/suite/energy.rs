@@ -1,0 +1,52 @@
+//! The directional albedo, by cubature of `eval` and by the mean of the weights.
+
+use super::{Examination, Surveyed};
+use crate::claims::Energy;
+use crate::specimen::Transport;
+use crate::statistics::ln_bernstein_two_sided;
+use crate::verdict::{Check, Ledger};
+
+pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
+    let claims = &examination.claims;
+    // Sums of rounded terms; the error of the cubature comes on top.
+    let rounding = 64.0 * claims.precision.epsilon();
+    for Surveyed { setting, survey, tally } in examination.surveys() {
+        let witness = setting.witness();
+        let samples = tally.samples as f64;
+        // Power is what importance carries; radiance gains or loses η² on the way through a boundary.
+        let is_power = !claims.transmits || setting.transport == Transport::Importance;
+        for channel in 0..3 {
+            let atoms = |power: i32| -> f64 {
+                let term =
+                    |atom: &crate::survey::Atom| atom.probability * atom.scatter.weight[channel].powi(power);
+                survey.atoms.iter().map(term).sum()
+            };
+            let albedo = survey.integral.value[1 + channel] + atoms(1);
+            let error = survey.integral.error[1 + channel] + rounding;
+            if is_power && let Some(energy) = claims.energy {
+                let check = Check::new("directional albedo", albedo, 1.0 + error, witness);
+                ledger.record(check);
+                if energy == Energy::Lossless && is_reached(claims.two_sided, setting.wo[2]) {
+                    let loss = 1.0 - albedo;
+                    ledger.record(Check::new("energy lost by a lossless specimen", loss, error, witness));
+                }
+            }
+            let mean = tally.weight[channel] / samples;
+            let difference = ((mean - albedo).abs() - error).max(0.0);
+            let second_moment = survey.integral.value[4 + channel] + atoms(2);
+            let deviation = (second_moment - albedo * albedo).max(0.0).sqrt();
+            let ln_p = if mean.is_nan() || albedo.is_nan() {
+                f64::NAN
+            } else {
+                ln_bernstein_two_sided(difference, deviation, survey.largest_weight, samples)
+            };
+            let what = "-log10 p that the mean weight is the integral of f cos";
+            ledger.record(Check::p_value(what, ln_p, examination.plan.ln_level(), tally.samples, witness));
+        }
+    }
+}
+
+/// Whether the specimen scatters light that arrives from this side at all.
+fn is_reached(two_sided: bool, z: f64) -> bool {
+    two_sided || z > 0.0
+}

@@ -1,0 +1,232 @@
+//! What several suites need to know about one setting, measured once: where the pdf puts its mass (by
+//! cubature) and where the sampler puts its samples (by counting).
+
+use crate::binning::{Chart, Partition, Point};
+use crate::plan::{Plan, Setting};
+use crate::quadrature::{Effort, Integral, NODES, integrate};
+use crate::specimen::{Direction, Measure, Scatter, Specimen};
+use crate::{Claims, Precision};
+use rand::RngExt;
+use rand_pcg::Pcg64;
+
+/// Samples that shape the cells; they are not counted.
+const PILOT_SAMPLES: usize = 1 << 14;
+/// Pilot samples per cell, at least.
+const PILOT_PER_CELL: usize = 40;
+/// Samples per call.
+const BATCH: usize = 1024;
+/// Deltas of one setting that are told apart; more are one too many for `weight` too.
+const MOST_ATOMS: usize = 8;
+
+/// A Dirac delta of a sampler.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Atom {
+    /// The first sample that showed it.
+    pub(crate) scatter: Scatter,
+    /// Its probability, as the sampler reports it.
+    pub(crate) probability: f64,
+}
+
+/// Everything measured by cubature.
+#[derive(Clone)]
+pub(crate) struct Survey {
+    pub(crate) partition: Partition,
+    pub(crate) atoms: Vec<Atom>,
+    /// ∫ pdf per cell.
+    pub(crate) cell_mass: Vec<[f64; 2]>,
+    /// Sum over cells of ∫ pdf, ∫ f cos (three channels), ∫ (f cos)² / pdf (three channels).
+    pub(crate) integral: Integral<INTEGRALS>,
+    /// Largest f cos / pdf at any node, or weight of any atom.
+    pub(crate) largest_weight: f64,
+}
+
+/// ∫ pdf, ∫ f cos, ∫ (f cos)²/pdf.
+pub(crate) const INTEGRALS: usize = 7;
+
+/// Everything counted while sampling.
+#[derive(Clone, Debug)]
+pub(crate) struct Tally {
+    pub(crate) samples: u64,
+    pub(crate) none: u64,
+    pub(crate) cells: Vec<u64>,
+    pub(crate) atoms: Vec<u64>,
+    /// Sum of weights per channel, in the measure of power where the setting carries importance.
+    pub(crate) weight: [f64; 3],
+    /// The first sample that cannot be counted: not a number, or one delta too many.
+    pub(crate) unusable: Option<Scatter>,
+}
+
+/// Uniforms in \[0, 1), exact in the precision of the specimen.
+pub(crate) fn uniforms(generator: &mut Pcg64, precision: Precision) -> [f64; 3] {
+    core::array::from_fn(|_| match precision {
+        Precision::F32 => f64::from(generator.random::<f32>()),
+        Precision::F64 => generator.random::<f64>(),
+    })
+}
+
+/// Draws `samples` samples in batches.
+pub(crate) fn draw(
+    specimen: &dyn Specimen,
+    setting: &Setting,
+    precision: Precision,
+    generator: &mut Pcg64,
+    samples: usize,
+    mut consume: impl FnMut(Option<Scatter>),
+) {
+    let mut numbers = [[0.0; 3]; BATCH];
+    let mut scatters = [None; BATCH];
+    let mut left = samples;
+    while left > 0 {
+        let batch = left.min(BATCH);
+        numbers[..batch].fill_with(|| uniforms(generator, precision));
+        specimen.sample_many(setting.wo, &numbers[..batch], setting.transport, &mut scatters[..batch]);
+        scatters[..batch].iter().for_each(|&scatter| consume(scatter));
+        left -= batch;
+    }
+}
+
+fn same_direction(a: Direction, b: Direction, precision: Precision) -> bool {
+    let distance = (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, f64::max);
+    distance <= 16.0 * precision.epsilon()
+}
+
+/// The place of a delta among those known, which it joins if it is new and there is room.
+fn find_or_add(atoms: &mut Vec<Atom>, atom: Atom, precision: Precision) -> Option<usize> {
+    let known = atoms.iter().position(|known| same_direction(known.scatter.wi, atom.scatter.wi, precision));
+    known.or_else(|| {
+        (atoms.len() < MOST_ATOMS).then(|| {
+            atoms.push(atom);
+            atoms.len() - 1
+        })
+    })
+}
+
+impl Survey {
+    pub(crate) fn new(specimen: &dyn Specimen, claims: &Claims, plan: &Plan, setting: &Setting) -> Self {
+        let precision = claims.precision;
+        let chart = Chart::new(setting.wo);
+        let mut generator = plan.generator(&specimen.name(), setting, "pilot");
+        let mut points: Vec<Point> = Vec::with_capacity(PILOT_SAMPLES);
+        let mut atoms: Vec<Atom> = Vec::new();
+        draw(specimen, setting, precision, &mut generator, PILOT_SAMPLES, |scatter| match scatter {
+            Some(Scatter { wi, density: Measure::SolidAngle(_), .. }) => points.push(chart.point(wi)),
+            Some(scatter @ Scatter { density: Measure::Discrete(probability), .. }) => {
+                find_or_add(&mut atoms, Atom { scatter, probability }, precision);
+            }
+            None => {}
+        });
+        // Deltas at either end of the component's uniform may be too rare for random numbers.
+        for uc in [0.0, 1.0 - 0.5 * precision.epsilon()] {
+            if let Some(scatter @ Scatter { density: Measure::Discrete(probability), .. }) =
+                specimen.sample(setting.wo, [uc, 0.5, 0.5], setting.transport)
+            {
+                find_or_add(&mut atoms, Atom { scatter, probability }, precision);
+            }
+        }
+        points.retain(|point| point.at.iter().all(|coordinate| coordinate.is_finite()));
+        let partition = Partition::new(chart, points, PILOT_PER_CELL, 64.0 * precision.epsilon());
+        let mut survey = Self {
+            partition,
+            largest_weight: atoms.iter().flat_map(|atom| atom.scatter.weight).fold(0.0, f64::max),
+            atoms,
+            cell_mass: Vec::new(),
+            integral: Integral::ZERO,
+        };
+        survey.integrate(specimen, setting, precision);
+        survey
+    }
+
+    fn integrate(&mut self, specimen: &dyn Specimen, setting: &Setting, precision: Precision) {
+        // In single precision the integrand itself is noise of this size, which refinement does not mend.
+        let (absolute, rectangles) = match precision {
+            Precision::F32 => (1e-6, 32),
+            Precision::F64 => (1e-9, 200),
+        };
+        let effort = Effort { absolute, relative: 0.0, leading: 4, rectangles };
+        let mut directions = vec![[0.0; 3]; NODES * NODES];
+        let mut densities = vec![0.0; NODES * NODES];
+        let mut values = vec![[0.0; 3]; NODES * NODES];
+        let mut largest_weight = self.largest_weight;
+        for cell in &self.partition.cells {
+            let chart = &self.partition.chart;
+            let mut integrand = |vs: &[f64; NODES], phis: &[f64; NODES], out: &mut [[f64; INTEGRALS]]| {
+                chart.directions(cell.hemisphere, vs, phis, &mut directions);
+                specimen.pdf_many(setting.wo, &directions, setting.transport, &mut densities);
+                specimen.eval_many(setting.wo, &directions, setting.transport, &mut values);
+                for (k, out) in out.iter_mut().enumerate() {
+                    let (cosine, density) = (directions[k][2].abs(), densities[k]);
+                    let [r, g, b] = values[k].map(|f| f * cosine);
+                    let square = |x: f64| if density > 0.0 { x * x / density } else { 0.0 };
+                    *out = [density, r, g, b, square(r), square(g), square(b)];
+                    if density > 0.0 {
+                        largest_weight = largest_weight.max(r.max(g).max(b) / density);
+                    }
+                }
+            };
+            let integral = integrate(&cell.pieces, effort, &mut integrand);
+            self.cell_mass.push([integral.value[0], integral.error[0]]);
+            self.integral.add(&integral);
+        }
+        self.largest_weight = largest_weight;
+    }
+
+    /// Mass of all deltas.
+    pub(crate) fn atom_mass(&self) -> f64 {
+        self.atoms.iter().map(|atom| atom.probability).sum()
+    }
+
+    /// Probability that no sample comes out, as the pdf and the deltas leave it, with its error bound.
+    pub(crate) fn no_sample(&self, precision: Precision) -> [f64; 2] {
+        let rounding = 4.0 * precision.epsilon();
+        [1.0 - self.integral.value[0] - self.atom_mass(), self.integral.error[0] + rounding]
+    }
+
+    /// Draws samples and counts where they fall.
+    pub(crate) fn tally(
+        &mut self,
+        specimen: &dyn Specimen,
+        claims: &Claims,
+        setting: &Setting,
+        generator: &mut Pcg64,
+        samples: usize,
+    ) -> Tally {
+        let mut tally = Tally {
+            samples: samples as u64,
+            none: 0,
+            cells: vec![0; self.partition.cells.len()],
+            atoms: vec![0; self.atoms.len()],
+            weight: [0.0; 3],
+            unusable: None,
+        };
+        draw(specimen, setting, claims.precision, generator, samples, |scatter| {
+            let Some(scatter) = scatter else {
+                tally.none += 1;
+                return;
+            };
+            for (sum, weight) in tally.weight.iter_mut().zip(scatter.weight) {
+                *sum += weight;
+            }
+            if !scatter.wi.iter().chain(&scatter.weight).all(|x| x.is_finite()) {
+                tally.unusable.get_or_insert(scatter);
+                return;
+            }
+            match scatter.density {
+                Measure::SolidAngle(_) => tally.cells[self.partition.cell(scatter.wi)] += 1,
+                Measure::Discrete(probability) => {
+                    // A delta too rare for the pilot samples enters with the probability that it reports.
+                    let atom = Atom { scatter, probability };
+                    match find_or_add(&mut self.atoms, atom, claims.precision) {
+                        Some(atom) => {
+                            tally.atoms.resize(self.atoms.len(), 0);
+                            tally.atoms[atom] += 1;
+                        }
+                        None => {
+                            tally.unusable.get_or_insert(scatter);
+                        }
+                    }
+                }
+            }
+        });
+        tally
+    }
+}

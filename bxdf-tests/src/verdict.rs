@@ -1,0 +1,222 @@
+//! Verdicts with their evidence.
+
+use crate::specimen::{Direction, Transport};
+use crate::suite::Suite;
+
+/// What a suite concluded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Outcome {
+    /// No check found the claim violated.
+    Holds,
+    /// At least one check contradicts the claim.
+    Violated,
+    /// The evidence cannot carry a conclusion; the verdict says why.
+    Inconclusive,
+}
+
+/// Where in the domain something was measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Witness {
+    /// The given direction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wo: Option<Direction>,
+    /// The other direction, or the micro normal.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wi: Option<Direction>,
+    /// The uniforms of a sample.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uniforms: Option<[f64; 3]>,
+    /// What was carried.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transport: Option<Transport>,
+}
+
+impl Witness {
+    /// A witness that is one given direction.
+    pub fn at(wo: Direction, transport: Transport) -> Self {
+        Self { wo: Some(wo), transport: Some(transport), ..Self::default() }
+    }
+    /// The same with the other direction.
+    pub fn with_wi(self, wi: Direction) -> Self {
+        Self { wi: Some(wi), ..self }
+    }
+    /// The same with the uniforms of a sample.
+    pub fn with_uniforms(self, uniforms: [f64; 3]) -> Self {
+        Self { uniforms: Some(uniforms), ..self }
+    }
+}
+
+/// One comparison: it holds where `value <= limit`. NaN never holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Check {
+    /// What was measured, in words, with its unit.
+    pub(crate) what: &'static str,
+    pub(crate) value: f64,
+    pub(crate) limit: f64,
+    pub(crate) witness: Witness,
+    /// Number of random samples behind the value; 0 where none.
+    pub(crate) samples: u64,
+    /// The evidence cannot carry a conclusion, unless it already contradicts.
+    pub(crate) inconclusive: bool,
+}
+
+impl Check {
+    pub(crate) fn new(what: &'static str, value: f64, limit: f64, witness: Witness) -> Self {
+        Self { what, value, limit, witness, samples: 0, inconclusive: false }
+    }
+
+    /// A p-value against its level, on the scale −log₁₀ p.
+    pub(crate) fn p_value(
+        what: &'static str,
+        ln_p: f64,
+        ln_level: f64,
+        samples: u64,
+        witness: Witness,
+    ) -> Self {
+        let scale = -core::f64::consts::LN_10;
+        // + 0.0 turns −0 (p = 1) into 0.
+        let value = ln_p / scale + 0.0;
+        Self { samples, ..Self::new(what, value, ln_level / scale, witness) }
+    }
+
+    fn holds(&self) -> bool {
+        self.value <= self.limit
+    }
+
+    /// How much of the limit is used up; above 1 is a violation.
+    fn used(&self) -> f64 {
+        if self.value.is_nan() {
+            f64::INFINITY
+        } else if self.limit > 0.0 {
+            self.value / self.limit
+        } else if self.holds() {
+            0.0
+        } else {
+            f64::INFINITY
+        }
+    }
+}
+
+/// Collects the checks of one suite on one specimen and keeps the most telling one.
+#[derive(Debug, Default)]
+pub(crate) struct Ledger {
+    checks: u64,
+    samples: u64,
+    violations: u64,
+    worst: Option<Check>,
+    inconclusive: Option<Check>,
+}
+
+impl Ledger {
+    pub(crate) fn record(&mut self, check: Check) {
+        self.checks += 1;
+        self.samples += check.samples;
+        self.violations += u64::from(!check.holds());
+        if check.inconclusive {
+            self.inconclusive.get_or_insert(check);
+        }
+        if self.worst.is_none_or(|worst| check.used() > worst.used()) {
+            self.worst = Some(check);
+        }
+    }
+
+    pub(crate) fn into_verdict(self, specimen: String, suite: Suite, run_seed: u64) -> Verdict {
+        let nothing =
+            Check { inconclusive: true, ..Check::new("no check was made", 0.0, 0.0, Witness::default()) };
+        let worst = self.worst.unwrap_or(nothing);
+        let (outcome, check) = match (worst.holds(), self.inconclusive) {
+            (false, _) => (Outcome::Violated, worst),
+            (true, Some(check)) => (Outcome::Inconclusive, check),
+            (true, None) if worst.inconclusive => (Outcome::Inconclusive, worst),
+            (true, None) => (Outcome::Holds, worst),
+        };
+        Verdict {
+            specimen,
+            suite,
+            outcome,
+            waiver: None,
+            what: check.what.to_owned(),
+            value: check.value,
+            limit: check.limit,
+            checks: self.checks,
+            violations: self.violations,
+            samples: self.samples,
+            run_seed,
+            witness: check.witness,
+        }
+    }
+}
+
+/// What one suite concluded about one specimen, with the most telling of its checks.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Verdict {
+    /// Name of the specimen.
+    pub specimen: String,
+    /// The suite.
+    pub suite: Suite,
+    /// The conclusion.
+    pub outcome: Outcome,
+    /// The reason why a violation was expected, where a waiver applied.
+    pub waiver: Option<String>,
+    /// What the most telling check measured.
+    pub what: String,
+    /// Its value; p-values are given as −log₁₀ p.
+    pub value: f64,
+    /// Its limit; the check holds where the value does not exceed it.
+    pub limit: f64,
+    /// How many checks were made.
+    pub checks: u64,
+    /// How many of them contradict the claim.
+    pub violations: u64,
+    /// How many random samples were drawn for them.
+    pub samples: u64,
+    /// The run seed; with the name of the specimen it reproduces the run.
+    pub run_seed: u64,
+    /// Where the most telling check was made.
+    pub witness: Witness,
+}
+
+impl Verdict {
+    /// The verdict under a waiver: the expected violation is accepted; anything else is a violation of the
+    /// waiver.
+    pub(crate) fn under_waiver(mut self, reason: &str) -> Self {
+        if self.outcome == Outcome::Violated {
+            self.outcome = Outcome::Holds;
+            self.waiver = Some(reason.to_owned());
+        } else {
+            self.what = format!("a waiver is no longer needed ({reason}); the suite finds: {}", self.what);
+            self.outcome = Outcome::Violated;
+        }
+        self
+    }
+}
+
+impl core::fmt::Display for Verdict {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let outcome = match self.outcome {
+            Outcome::Holds => "holds",
+            Outcome::Violated => "VIOLATED",
+            Outcome::Inconclusive => "inconclusive",
+        };
+        write!(f, "{}/{} {outcome}: {}", self.specimen, self.suite.name(), self.what)?;
+        write!(f, " = {:.4e}, limit {:.4e}", self.value, self.limit)?;
+        if self.violations > 0 {
+            write!(f, " ({} of {} checks)", self.violations, self.checks)?;
+        }
+        let Witness { wo, wi, uniforms, transport } = self.witness;
+        if let Some([x, y, z]) = wo {
+            write!(f, "\n  wo ({x:e}, {y:e}, {z:e})")?;
+        }
+        if let Some([x, y, z]) = wi {
+            write!(f, "\n  wi ({x:e}, {y:e}, {z:e})")?;
+        }
+        if let Some([c, x, y]) = uniforms {
+            write!(f, "\n  uniforms ({c:e}, {x:e}, {y:e})")?;
+        }
+        if let Some(transport) = transport {
+            write!(f, "\n  transport {transport:?}")?;
+        }
+        write!(f, "\n  run seed {}", self.run_seed)
+    }
+}

@@ -1,0 +1,402 @@
+//! Fresnel reflectance: the exact forms, and each approximation beside its exact form.
+//!
+//! Angles enter as `cos_theta_i` ∈ \[0, 1\] on the side that light comes from. Indices are relative: `eta`
+//! (and `eta + i k` for conductors) is the index of the medium entered divided by the index of the medium
+//! left. Forms are chosen so that nothing cancels: R and 1 − R are each accurate relative to their own size.
+//!
+//! The thesis prints the dielectric amplitudes without their squares (its equations 9 and 10) and offers an
+//! approximation for conductors (7 and 8, here [`conductor_thesis`]); this module squares the amplitudes and
+//! adds total internal reflection.
+
+use crate::parameter::{OutOfRange, require};
+use crate::real::Real;
+use crate::rgb::Rgb;
+
+/// A quantity for light polarised perpendicular (`s`) and parallel (`p`) to the plane of incidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Polarized<F> {
+    /// Electric field perpendicular to the plane of incidence.
+    pub s: F,
+    /// Electric field in the plane of incidence.
+    pub p: F,
+}
+
+impl<F: Real> Polarized<F> {
+    /// The mean over both polarisations: the value for unpolarised light.
+    #[inline]
+    pub fn unpolarized(self) -> F {
+        F::HALF * (self.s + self.p)
+    }
+}
+
+/// What happens to light at the boundary of two dielectrics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DielectricBoundary<F> {
+    /// Fraction reflected, \[0, 1\].
+    pub reflectance: Polarized<F>,
+    /// Fraction transmitted, 1 − R but computed without the subtraction.
+    pub transmittance: Polarized<F>,
+    /// Cosine of the refracted direction; 0 under total internal reflection.
+    pub cos_theta_t: F,
+}
+
+/// Exact Fresnel equations between two dielectrics.
+///
+/// # Definition
+/// With A = (η − 1)(η + 1), c = cos θi and g = η cos θt = √(A + c²):
+/// r_s = −A / (c + g)², r_p = r_s (c g − sin²θi) / (c g + sin²θi), R = r²;
+/// T_s = 4 c g / (c + g)², T_p = 4 η² c g / (η² c + g)².
+/// Algebraically equal to Born & Wolf, *Principles of Optics* §1.5.2, (20) and (21); the textbook form loses
+/// 7e-5 of R in `f32` at η = 1.001.
+///
+/// # Limits
+/// A + c² ≤ 0 is total internal reflection: R = 1. At η = 1, R = 0 for every angle. At grazing incidence
+/// T → 0 linearly in c.
+///
+/// ```
+/// let boundary = gonio::fresnel::dielectric(1.0_f64, 1.5);
+/// assert!((boundary.reflectance.unpolarized() - 0.04).abs() < 1e-15);
+/// ```
+#[inline]
+pub fn dielectric<F: Real>(cos_theta_i: F, eta: F) -> DielectricBoundary<F> {
+    let c = cos_theta_i;
+    let a = (eta - F::ONE) * (eta + F::ONE);
+    let g_squared = a + c * c;
+    if g_squared <= F::ZERO {
+        let (all, none) = (Polarized { s: F::ONE, p: F::ONE }, Polarized { s: F::ZERO, p: F::ZERO });
+        // Index-matched media at exact grazing: nothing is reflected at any angle, so neither here.
+        let (reflectance, transmittance) = if a == F::ZERO { (none, all) } else { (all, none) };
+        return DielectricBoundary { reflectance, transmittance, cos_theta_t: F::ZERO };
+    }
+    let g = g_squared.sqrt();
+    let sin2 = (F::ONE - c) * (F::ONE + c);
+    let eta_squared = eta * eta;
+    let r_s = -a / (c + g).squared();
+    let r_p = r_s * ((c * g - sin2) / (c * g + sin2));
+    DielectricBoundary {
+        reflectance: Polarized { s: r_s * r_s, p: r_p * r_p },
+        transmittance: Polarized {
+            s: F::FOUR * c * g / (c + g).squared(),
+            p: F::FOUR * eta_squared * c * g / (eta_squared * c + g).squared(),
+        },
+        cos_theta_t: g / eta,
+    }
+}
+
+/// What happens to light at the surface of a conductor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConductorBoundary<F> {
+    /// Fraction reflected, \[0, 1\].
+    pub reflectance: Polarized<F>,
+    /// Fraction absorbed, 1 − R but computed without the subtraction.
+    pub absorptance: Polarized<F>,
+}
+
+/// Exact Fresnel equations for a conductor of relative complex index `eta` + i `k`.
+///
+/// # Definition
+/// Complex Snell refraction with N cos θt = a + i b, a² + b² = |N² − sin²θi|:
+/// R_s = |(cos θi − N cos θt) / (cos θi + N cos θt)|², R_p = R_s |(N cos θt cos θi − sin²θi) / (… + …)|²
+/// written over a² + b² and a alone (Born & Wolf, *Principles of Optics* §14.2). The smaller of a and b comes
+/// from a b = η k, because √(½(a² + b² ± t)) cancels for the smaller one.
+///
+/// # Limits
+/// k = 0 is the dielectric, total internal reflection included; η = 0 reflects everything.
+#[inline]
+pub fn conductor<F: Real>(cos_theta_i: F, eta: F, k: F) -> ConductorBoundary<F> {
+    let c = cos_theta_i;
+    let (c2, s2) = (c * c, (F::ONE - c) * (F::ONE + c));
+    // Re(N²) − sin²θi; η² − sin²θi would cancel near η = 1.
+    let t0 = (eta - F::ONE) * (eta + F::ONE) - k * k + c2;
+    let twice_eta_k = F::TWO * eta * k;
+    let modulus = (t0 * t0 + twice_eta_k * twice_eta_k).sqrt();
+    let a = if t0 >= F::ZERO {
+        (F::HALF * (modulus + t0)).sqrt()
+    } else {
+        eta * k / (F::HALF * (modulus - t0)).sqrt()
+    };
+    let (t1, t2) = (modulus + c2, F::TWO * a * c);
+    if t1 + t2 <= F::ZERO {
+        // Only an index-matched medium (η = 1, k = 0) at exact grazing: it reflects nothing at any angle.
+        let (none, all) = (Polarized { s: F::ZERO, p: F::ZERO }, Polarized { s: F::ONE, p: F::ONE });
+        return ConductorBoundary { reflectance: none, absorptance: all };
+    }
+    let (t3, t4) = (c2 * modulus + s2 * s2, t2 * s2);
+    let r_s = (t1 - t2) / (t1 + t2);
+    let absorptance_s = F::TWO * t2 / (t1 + t2);
+    ConductorBoundary {
+        reflectance: Polarized { s: r_s, p: r_s * ((t3 - t4) / (t3 + t4)) },
+        absorptance: Polarized { s: absorptance_s, p: absorptance_s + r_s * (F::TWO * t4 / (t3 + t4)) },
+    }
+}
+
+/// The thesis's approximation for conductors, its equations 7 and 8.
+///
+/// Exact at normal incidence, elsewhere it neglects sin²θ against η² + k²: at most 0.0071 too bright for
+/// metals, but wrong by 0.099 for η = 1.5, k = 0.
+#[inline]
+pub fn conductor_thesis<F: Real>(cos_theta_i: F, eta: F, k: F) -> Polarized<F> {
+    let c = cos_theta_i;
+    let (c2, modulus, twice) = (c * c, eta * eta + k * k, F::TWO * eta * c);
+    Polarized {
+        s: (modulus - twice + c2) / (modulus + twice + c2),
+        p: (modulus * c2 - twice + F::ONE) / (modulus * c2 + twice + F::ONE),
+    }
+}
+
+/// Reflectance at normal incidence: ((η − 1)² + k²) / ((η + 1)² + k²).
+///
+/// The thesis's equation 12 lacks the square.
+#[inline]
+pub fn normal_incidence<F: Real>(eta: F, k: F) -> F {
+    ((eta - F::ONE).squared() + k * k) / ((eta + F::ONE).squared() + k * k)
+}
+
+/// Schlick's approximation, f₀ + (1 − f₀)(1 − cos θ)⁵.
+///
+/// The cosine is that of the *less dense* side; see [`schlick_dielectric`]. The thesis's equation 11 prints
+/// the fifth power at the wrong place. Schlick, *Computer Graphics Forum* 13(3), 1994,
+/// <https://doi.org/10.1111/1467-8659.1330233>.
+#[inline]
+pub fn schlick<F: Real>(cos_theta: F, f0: F) -> F {
+    let m = F::ONE - cos_theta;
+    let m2 = m * m;
+    f0 + (F::ONE - f0) * (m2 * m2 * m)
+}
+
+/// Schlick's approximation between dielectrics, from either side: it uses the angle on the less dense side
+/// and returns 1 under total internal reflection.
+#[inline]
+pub fn schlick_dielectric<F: Real>(cos_theta_i: F, eta: F) -> F {
+    let f0 = normal_incidence(eta, F::ZERO);
+    if eta >= F::ONE {
+        return schlick(cos_theta_i, f0);
+    }
+    let g_squared = (eta - F::ONE) * (eta + F::ONE) + cos_theta_i * cos_theta_i;
+    if g_squared <= F::ZERO { F::ONE } else { schlick(g_squared.sqrt() / eta, f0) }
+}
+
+/// The Lazányi–Szirmay-Kalos error term in the parametrisation by the reflectance at 82°, "F82": Schlick's
+/// curve minus b c (1 − c)⁶, exact at 0°, at cos θ = 1/7 and at 90°.
+///
+/// Lazányi & Szirmay-Kalos, *Fresnel term approximations for metals*, WSCG 2005; Kutz et al., *Novel aspects
+/// of the Adobe Standard Material*, 2023.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lazanyi<F> {
+    f0: F,
+    b: F,
+}
+
+impl<F: Real> Lazanyi<F> {
+    /// The curve through the reflectance `f0` at normal incidence and `f82` at cos θ = 1/7.
+    pub fn new(f0: F, f82: F) -> Self {
+        let c = F::ONE / F::from_f64(7.0);
+        let m = F::ONE - c;
+        let m3 = m * m * m;
+        Self { f0, b: (schlick(c, f0) - f82) / (c * m3 * m3) }
+    }
+    /// The curve for a conductor of relative index `eta` + i `k`.
+    pub fn of_conductor(eta: F, k: F) -> Self {
+        let at_82 = conductor(F::ONE / F::from_f64(7.0), eta, k).reflectance.unpolarized();
+        Self::new(normal_incidence(eta, k), at_82)
+    }
+    /// Reflectance for unpolarised light.
+    #[inline]
+    pub fn reflectance(self, cos_theta: F) -> F {
+        let m = F::ONE - cos_theta;
+        let m3 = m * m * m;
+        schlick(cos_theta, self.f0) - self.b * cos_theta * (m3 * m3)
+    }
+}
+
+/// The Fresnel term of a reflecting lobe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fresnel<F> {
+    /// The same reflectance at every angle.
+    Constant(Rgb<F>),
+    /// Exact, between dielectrics; `eta` is the index below the surface over the index above.
+    Dielectric {
+        /// Relative index of refraction.
+        eta: F,
+    },
+    /// Exact, for a conductor below the surface, one complex index per channel.
+    Conductor {
+        /// Real part of the relative index.
+        eta: Rgb<F>,
+        /// Extinction: imaginary part of the relative index.
+        k: Rgb<F>,
+    },
+}
+
+impl<F: Real> Fresnel<F> {
+    /// A constant reflectance in \[0, 1\] per channel.
+    pub fn constant(reflectance: Rgb<F>) -> Result<Self, OutOfRange> {
+        Ok(Self::Constant(require_reflectance(reflectance)?))
+    }
+    /// A dielectric of relative index `eta` ∈ \[1e-3, 1e3\].
+    pub fn dielectric(eta: F) -> Result<Self, OutOfRange> {
+        Ok(Self::Dielectric { eta: require_eta(eta)? })
+    }
+    /// A conductor of relative index `eta` + i `k` per channel, each part in \[0, 1e3\], not both zero.
+    pub fn conductor(eta: Rgb<F>, k: Rgb<F>) -> Result<Self, OutOfRange> {
+        let limit = F::from_f64(1e3);
+        for (&n, &k) in eta.0.iter().zip(&k.0) {
+            require("k", k, |k| k >= F::ZERO && k <= limit, "extinction in [0, 1000]")?;
+            require(
+                "eta",
+                n,
+                |n| n >= F::ZERO && n <= limit && n + k > F::ZERO,
+                "index of refraction in [0, 1000], with eta + k > 0",
+            )?;
+        }
+        Ok(Self::Conductor { eta, k })
+    }
+
+    /// Reflectance for unpolarised light that arrives from above.
+    #[inline]
+    pub fn reflectance(&self, cos_theta_i: F) -> Rgb<F> {
+        match *self {
+            Self::Constant(reflectance) => reflectance,
+            Self::Dielectric { eta } => Rgb::splat(dielectric(cos_theta_i, eta).reflectance.unpolarized()),
+            Self::Conductor { eta, k } => Rgb([
+                conductor(cos_theta_i, eta[0], k[0]).reflectance.unpolarized(),
+                conductor(cos_theta_i, eta[1], k[1]).reflectance.unpolarized(),
+                conductor(cos_theta_i, eta[2], k[2]).reflectance.unpolarized(),
+            ]),
+        }
+    }
+}
+
+/// A relative index of refraction that dielectric formulas accept.
+pub(crate) fn require_eta<F: Real>(eta: F) -> Result<F, OutOfRange> {
+    let (low, high) = (F::from_f64(1e-3), F::from_f64(1e3));
+    require("eta", eta, |eta| eta >= low && eta <= high, "relative index of refraction in [0.001, 1000]")
+}
+
+/// A reflectance that a lobe accepts: no channel reflects more than it receives.
+pub(crate) fn require_reflectance<F: Real>(reflectance: Rgb<F>) -> Result<Rgb<F>, OutOfRange> {
+    for value in reflectance.0 {
+        require(
+            "reflectance",
+            value,
+            |value| value >= F::ZERO && value <= F::ONE,
+            "a fraction in [0, 1] per channel",
+        )?;
+    }
+    Ok(reflectance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    #[test]
+    fn normal_incidence_has_its_closed_form() {
+        for eta in [1.0001, 1.1, 1.5, 2.42, 1.0 / 1.5] {
+            let exact = dielectric::<f64>(1.0, eta).reflectance;
+            assert_abs_diff_eq!(exact.s, normal_incidence(eta, 0.0), epsilon = 1e-15);
+            assert_abs_diff_eq!(exact.p, exact.s, epsilon = 1e-15);
+        }
+        for (eta, k) in [(0.188, 3.403), (1.5, 0.0), (0.01, 5.0), (0.0, 3.0)] {
+            let exact = conductor::<f64>(1.0, eta, k).reflectance;
+            assert_abs_diff_eq!(exact.unpolarized(), normal_incidence(eta, k), epsilon = 1e-14);
+            let thesis = conductor_thesis::<f64>(1.0, eta, k);
+            assert_abs_diff_eq!(thesis.unpolarized(), normal_incidence(eta, k), epsilon = 1e-14);
+        }
+    }
+
+    #[test]
+    fn brewster_angle_reflects_no_p() {
+        for eta in [1.1, 1.33, 1.5, 2.42, 1.0 / 1.5] {
+            let cos_brewster = 1.0 / f64::sqrt(1.0 + eta * eta);
+            assert!(dielectric(cos_brewster, eta).reflectance.p < 1e-30);
+        }
+        let glass = dielectric(1.0 / f64::sqrt(1.0 + 1.5 * 1.5), 1.5).reflectance;
+        assert_abs_diff_eq!(glass.unpolarized(), 0.073_964_497_041_420_12, epsilon = 1e-15);
+    }
+
+    #[test]
+    fn total_internal_reflection_begins_at_the_critical_cosine() {
+        let eta = 1.0 / 1.5;
+        let critical = f64::sqrt((1.0 - eta) * (1.0 + eta));
+        assert_abs_diff_eq!(critical, 0.745_355_992_499_93, epsilon = 1e-14);
+        for c in [0.0, 0.3, critical - 1e-15] {
+            assert_eq!(dielectric(c, eta).reflectance, Polarized { s: 1.0, p: 1.0 });
+        }
+        assert!(dielectric(critical + 1e-12, eta).reflectance.unpolarized() < 1.0);
+    }
+
+    #[test]
+    fn light_path_is_reversible() {
+        for eta in [1.0001, 1.5, 2.42] {
+            for c in [0.01, 0.3, 0.7, 1.0] {
+                let forth = dielectric::<f64>(c, eta);
+                let back = dielectric(forth.cos_theta_t, 1.0 / eta);
+                // Near the critical angle g² is a difference of numbers near 1 whose rounding it inherits.
+                let g_squared = (c / eta).powi(2);
+                let epsilon = 1e-14 + 8.0 * f64::EPSILON / g_squared;
+                assert_abs_diff_eq!(forth.reflectance.s, back.reflectance.s, epsilon = epsilon);
+                assert_abs_diff_eq!(forth.transmittance.p, back.transmittance.p, epsilon = epsilon);
+            }
+        }
+    }
+
+    #[test]
+    fn conductor_without_extinction_is_the_dielectric() {
+        for eta in [1.0_f64, 1.5, 0.6] {
+            for i in 0..=1000 {
+                let c = f64::from(i) / 1000.0;
+                let (metal, glass) = (conductor(c, eta, 0.0), dielectric(c, eta));
+                assert_abs_diff_eq!(metal.reflectance.s, glass.reflectance.s, epsilon = 1e-14);
+                assert_abs_diff_eq!(metal.reflectance.p, glass.reflectance.p, epsilon = 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn metals_have_a_pseudo_brewster_dip() {
+        let aluminium = |c: f64| conductor(c, 1.43, 7.51).reflectance.unpolarized();
+        assert_abs_diff_eq!(aluminium(1.0), 0.908, epsilon = 1e-3);
+        assert_abs_diff_eq!(aluminium(82.0_f64.to_radians().cos()), 0.834, epsilon = 1e-3);
+    }
+
+    #[test]
+    fn regress_errors_of_the_approximations() {
+        // science: thesis ≤ 0.0071 on copper, 0.099 at k = 0; Schlick 0.036 at 85° for η = 1.5.
+        let angles = || (0..=9000).map(|i| (f64::from(i) / 100.0).to_radians().cos());
+        let worst = |f: &dyn Fn(f64) -> f64| angles().map(f).fold(0.0_f64, |a, b| a.max(b.abs()));
+        let exact = |c, n, k| conductor(c, n, k).reflectance.unpolarized();
+        let copper = worst(&|c| conductor_thesis(c, 1.247, 2.456).unpolarized() - exact(c, 1.247, 2.456));
+        assert!((0.006..0.008).contains(&copper), "{copper}");
+        let glass = worst(&|c| conductor_thesis(c, 1.5, 0.0).unpolarized() - exact(c, 1.5, 0.0));
+        assert_abs_diff_eq!(glass, 0.099, epsilon = 1e-3);
+        let schlick = worst(&|c| schlick_dielectric(c, 1.5) - exact(c, 1.5, 0.0));
+        assert_abs_diff_eq!(schlick, 0.036, epsilon = 1e-3);
+        let chromium = Lazanyi::of_conductor(3.145, 3.312);
+        let lazanyi = worst(&|c| chromium.reflectance(c) - exact(c, 3.145, 3.312));
+        assert!((0.015..0.025).contains(&lazanyi), "{lazanyi}");
+    }
+
+    #[test]
+    fn index_matched_media_reflect_nothing_even_at_grazing() {
+        for c in [0.0, f64::MIN_POSITIVE, 1e-8, 0.5, 1.0] {
+            assert_eq!(dielectric(c, 1.0).reflectance.unpolarized(), 0.0);
+            assert_eq!(dielectric(c, 1.0).transmittance.unpolarized(), 1.0);
+            assert!(conductor(c, 1.0, 0.0).reflectance.unpolarized() < 1e-15, "{c}");
+        }
+    }
+
+    #[test]
+    fn constructors_name_parameter_value_and_range() {
+        let error = Fresnel::dielectric(f64::NAN).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "eta = NaN is out of range: expected relative index of refraction in [0.001, 1000]"
+        );
+        assert!(Fresnel::dielectric(0.0_f32).is_err());
+        assert!(Fresnel::conductor(Rgb::splat(0.0), Rgb::splat(0.0_f64)).is_err());
+        assert!(Fresnel::conductor(Rgb::splat(0.0), Rgb::splat(3.0_f64)).is_ok());
+        assert!(Fresnel::constant(Rgb([0.5, 0.5, 1.02_f64])).is_err());
+    }
+}

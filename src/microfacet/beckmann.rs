@@ -1,0 +1,129 @@
+//! Beckmann–Spizzichino: Gaussian slopes; Walter et al., EGSR 2007,
+//! <https://doi.org/10.2312/EGWR/EGSR07/195-206>.
+
+use crate::real::{Real, Vector};
+
+/// π αx αy D(m), with `stretched` = (m.x/αx)² + (m.y/αy)²: exp(−stretched / m.z²) / m.z⁴.
+#[inline]
+pub(super) fn density<F: Real>(stretched: F, z: F) -> F {
+    let z2 = z * z;
+    let exponential = (-stretched / z2).exp();
+    // Where it underflows 1/z⁴ may overflow, and 0 · ∞ would be NaN.
+    if exponential > F::ZERO { exponential / (z2 * z2) } else { F::ZERO }
+}
+
+/// σ = ½ [z erfc(−z/s) + s e^{−z²/s²} / √π]; max(z, 0) where s = 0.
+#[inline]
+pub(super) fn projected_area<F: Real>(z: F, s_squared: F) -> F {
+    let s = s_squared.sqrt();
+    let a = z / s;
+    if !a.is_finite() {
+        return z.max(F::ZERO);
+    }
+    F::HALF * (z * (-a).erfc() + s * (-a * a).exp() * frac_1_sqrt_pi())
+}
+
+/// Λ = ½ (e^{−a²} / (a √π) − erfc a), a = z/s.
+#[inline]
+pub(super) fn lambda<F: Real>(z: F, s_squared: F) -> F {
+    let a = z / s_squared.sqrt();
+    if !a.is_finite() {
+        return F::ZERO;
+    }
+    F::HALF * ((-a * a).exp() * frac_1_sqrt_pi() / a - a.erfc())
+}
+
+fn frac_1_sqrt_pi<F: Real>() -> F {
+    F::from_f64(0.564_189_583_547_756_3)
+}
+
+/// Visible normals for roughness 1 seen from the unit vector `w`, with z = 1.
+///
+/// The slope along `w` has density ∝ (cot θ − s) e^{−s²} on (−∞, cot θ\]; its integral is inverted by
+/// Newton steps inside a bracket that halves whenever a step would leave it. The slope across is Gaussian.
+/// Heitz & d'Eon 2014 give the densities, <https://doi.org/10.1111/cgf.12417>; the inversion is our own,
+/// because theirs stops after three steps from a fitted start.
+#[inline]
+pub(super) fn sample_visible_unit<F: Real>(w: F::Vec3, [u0, u1]: [F; 2]) -> F::Vec3 {
+    let sin_theta = (w.x() * w.x() + w.y() * w.y()).sqrt();
+    if sin_theta < F::from_f64(1e-6) {
+        // Seen along the normal all slopes are visible: an isotropic Gaussian.
+        let radius = (-(F::ONE - u0).ln()).sqrt();
+        let (sin_phi, cos_phi) = (F::TWO * F::PI * u1).sin_cos();
+        return F::Vec3::new(radius * cos_phi, radius * sin_phi, F::ONE);
+    }
+    let along = invert_slope(w.z() / sin_theta, u0);
+    // erf⁻¹ is infinite at ±1, which the uniform reaches at 0.
+    let across = (F::TWO * u1 - F::ONE).max(F::HALF * F::EPSILON - F::ONE).erf_inv();
+    let (cos_phi, sin_phi) = (w.x() / sin_theta, w.y() / sin_theta);
+    F::Vec3::new(-(cos_phi * along - sin_phi * across), -(sin_phi * along + cos_phi * across), F::ONE)
+}
+
+/// The slope s ≤ c with I(s) = u I(c), where I(s) = ½ [c erfc(−s) + e^{−s²} / √π].
+fn invert_slope<F: Real>(c: F, u: F) -> F {
+    // I and its derivative (c − s) e^{−s²} / √π share the exponential.
+    let integral = |s: F| {
+        let gaussian = (-s * s).exp() * frac_1_sqrt_pi();
+        (F::HALF * (c * (-s).erfc() + gaussian), (c - s) * gaussian)
+    };
+    // Beyond ±7 the density is below the rounding of its integral in double precision.
+    let (mut low, mut high) = (-F::from_f64(7.0), c.min(F::from_f64(7.0)));
+    let target = u * integral(high).0;
+    let mut s = guess_slope(c, u).max(low).min(high);
+    // Three steps on average; the bracket bounds them where Newton alone would leave the domain.
+    for _ in 0..64 {
+        let (value, derivative) = integral(s);
+        let excess = value - target;
+        if excess > F::ZERO {
+            high = s;
+        } else {
+            low = s;
+        }
+        let newton = s - excess / derivative;
+        let next = if newton >= low && newton <= high { newton } else { F::HALF * (low + high) };
+        let step = next - s;
+        s = next;
+        // The error after a Newton step is about its square over the distance to c, where I′ vanishes.
+        if step * step <= F::HALF * F::EPSILON * (c - s).min(F::ONE) || high - low <= F::EPSILON {
+            break;
+        }
+    }
+    s
+}
+
+/// A first guess of the slope: I is c times a Gaussian integral, inverted by Winitzki's formula, plus a Rayleigh
+/// integral; the two inverses are averaged in these proportions.
+fn guess_slope<F: Real>(c: F, u: F) -> F {
+    let tiny = F::EPSILON * F::EPSILON;
+    let rayleigh = -(-u.max(tiny).ln()).sqrt();
+    let a = F::from_f64(4.33); // 2 / (π · 0.147)
+    let log = (F::FOUR * u * (F::ONE - u)).max(tiny).ln();
+    let t = a + F::HALF * log;
+    let gaussian = ((t * t - log / F::from_f64(0.147)).sqrt() - t).sqrt().copysign(u - F::HALF);
+    let share = F::from_f64(0.282); // 1 / (2 √π)
+    (c * gaussian + share * rayleigh) / (c + share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverted_slopes_satisfy_their_equation() {
+        let integral =
+            |c: f64, s: f64| 0.5 * (c * libm::erfc(-s) + libm::exp(-s * s) * 0.564_189_583_547_756_3);
+        for i in 0..60 {
+            let c = libm::exp(f64::from(i) / 3.0 - 10.0);
+            for j in 0..=1000 {
+                let u = (f64::from(j) / 1000.0).min(1.0 - f64::EPSILON / 2.0);
+                let s = invert_slope(c, u);
+                let end = c.min(7.0);
+                assert!(s <= end && s >= -7.0, "c {c} u {u} s {s}");
+                let error = (integral(c, s) / integral(c, end) - u).abs();
+                assert!(error <= 1e-14, "c {c} u {u} s {s}: {error:e}");
+                let single = invert_slope(c as f32, u as f32);
+                assert!(single.is_finite() && single <= c as f32);
+            }
+        }
+    }
+}

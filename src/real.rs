@@ -1,0 +1,229 @@
+//! The one scalar trait: everything numerical is written once and runs in `f32` and in `f64`.
+
+use core::fmt::{Debug, Display};
+use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use crate::special;
+
+/// A floating-point scalar, `f32` or `f64`, with the glam vector that belongs to it.
+///
+/// Transcendental functions come from the pure-Rust `libm` crate, not from the platform's C library: the
+/// latter picks implementations by CPU feature, and the same sample would then have other bits on
+/// another machine. Square roots and the four operations are exactly rounded everywhere.
+pub trait Real:
+    Copy
+    + Debug
+    + Display
+    + Default
+    + PartialEq
+    + PartialOrd
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+{
+    /// The three-dimensional vector over this scalar: [`glam::Vec3`] or [`glam::DVec3`].
+    type Vec3: Vector<Self>;
+
+    /// 0.
+    const ZERO: Self;
+    /// ½.
+    const HALF: Self;
+    /// 1.
+    const ONE: Self;
+    /// 2.
+    const TWO: Self;
+    /// 4.
+    const FOUR: Self;
+    /// π.
+    const PI: Self;
+    /// Distance from 1 to the next larger number.
+    const EPSILON: Self;
+    /// √ of the smallest normal number: a direction whose cosine is not larger lies in the tangent plane.
+    ///
+    /// Closer to it a BxDF divided by its cosines, and the square of wo + wi, leave the range of the type.
+    const TANGENT: Self;
+    /// `"f32"` or `"f64"`.
+    const NAME: &'static str;
+
+    /// The nearest number to `value`.
+    fn from_f64(value: f64) -> Self;
+    /// The same number in double precision; exact.
+    fn to_f64(self) -> f64;
+    /// |x|.
+    fn abs(self) -> Self;
+    /// √x, exactly rounded.
+    fn sqrt(self) -> Self;
+    /// The smaller of the two; `other` where `self` is NaN.
+    fn min(self, other: Self) -> Self;
+    /// The larger of the two; `other` where `self` is NaN.
+    fn max(self, other: Self) -> Self;
+    /// |self| with the sign of `sign`.
+    fn copysign(self, sign: Self) -> Self;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+    /// sin x and cos x.
+    fn sin_cos(self) -> (Self, Self);
+    /// eˣ.
+    fn exp(self) -> Self;
+    /// ln x.
+    fn ln(self) -> Self;
+    /// Error function, see [`special`].
+    fn erf(self) -> Self;
+    /// Complementary error function, see [`special`].
+    fn erfc(self) -> Self;
+    /// Inverse error function, see [`special`].
+    fn erf_inv(self) -> Self;
+
+    /// x².
+    fn squared(self) -> Self {
+        self * self
+    }
+}
+
+/// What the lobes need of a three-dimensional vector; implemented by glam's.
+pub trait Vector<F: Real>:
+    Copy
+    + Debug
+    + PartialEq
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Neg<Output = Self>
+    + Mul<F, Output = Self>
+{
+    /// The vector (x, y, z).
+    fn new(x: F, y: F, z: F) -> Self;
+    /// Component along the first tangent.
+    fn x(self) -> F;
+    /// Component along the second tangent.
+    fn y(self) -> F;
+    /// Component along the normal.
+    fn z(self) -> F;
+    /// Scalar product.
+    fn dot(self, other: Self) -> F;
+    /// The vector divided by its length; not finite where the length is zero.
+    fn normalize(self) -> Self;
+
+    /// The same vector from double precision, each component rounded.
+    fn from_f64([x, y, z]: [f64; 3]) -> Self {
+        Self::new(F::from_f64(x), F::from_f64(y), F::from_f64(z))
+    }
+    /// The same vector in double precision; exact.
+    fn to_f64(self) -> [f64; 3] {
+        [self.x().to_f64(), self.y().to_f64(), self.z().to_f64()]
+    }
+}
+
+macro_rules! implement_real {
+    ($real:ident, $vector:ty, $tangent:expr, $sincos:ident, $exp:ident, $ln:ident, $erf:ident, $erfc:ident) => {
+        impl Real for $real {
+            type Vec3 = $vector;
+            const ZERO: Self = 0.0;
+            const HALF: Self = 0.5;
+            const ONE: Self = 1.0;
+            const TWO: Self = 2.0;
+            const FOUR: Self = 4.0;
+            const PI: Self = core::f64::consts::PI as $real;
+            const EPSILON: Self = $real::EPSILON;
+            const TANGENT: Self = $tangent;
+            const NAME: &'static str = stringify!($real);
+
+            #[inline]
+            fn from_f64(value: f64) -> Self {
+                value as $real
+            }
+            #[inline]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline]
+            fn abs(self) -> Self {
+                $real::abs(self)
+            }
+            #[inline]
+            fn sqrt(self) -> Self {
+                $real::sqrt(self)
+            }
+            #[inline]
+            fn min(self, other: Self) -> Self {
+                $real::min(self, other)
+            }
+            #[inline]
+            fn max(self, other: Self) -> Self {
+                $real::max(self, other)
+            }
+            #[inline]
+            fn copysign(self, sign: Self) -> Self {
+                $real::copysign(self, sign)
+            }
+            #[inline]
+            fn is_finite(self) -> bool {
+                $real::is_finite(self)
+            }
+            #[inline]
+            fn sin_cos(self) -> (Self, Self) {
+                libm::$sincos(self)
+            }
+            #[inline]
+            fn exp(self) -> Self {
+                libm::$exp(self)
+            }
+            #[inline]
+            fn ln(self) -> Self {
+                libm::$ln(self)
+            }
+            #[inline]
+            fn erf(self) -> Self {
+                libm::$erf(self)
+            }
+            #[inline]
+            fn erfc(self) -> Self {
+                libm::$erfc(self)
+            }
+            #[inline]
+            fn erf_inv(self) -> Self {
+                special::erf_inv(f64::from(self)) as $real
+            }
+        }
+
+        impl Vector<$real> for $vector {
+            #[inline]
+            fn new(x: $real, y: $real, z: $real) -> Self {
+                <$vector>::new(x, y, z)
+            }
+            #[inline]
+            fn x(self) -> $real {
+                self.x
+            }
+            #[inline]
+            fn y(self) -> $real {
+                self.y
+            }
+            #[inline]
+            fn z(self) -> $real {
+                self.z
+            }
+            #[inline]
+            fn dot(self, other: Self) -> $real {
+                <$vector>::dot(self, other)
+            }
+            #[inline]
+            fn normalize(self) -> Self {
+                self * (1.0 / <$vector>::dot(self, self).sqrt())
+            }
+        }
+    };
+}
+
+// 2⁻⁶³ and 2⁻⁵¹¹.
+implement_real!(f32, glam::Vec3, f32::from_bits(64 << 23), sincosf, expf, logf, erff, erfcf);
+implement_real!(f64, glam::DVec3, f64::from_bits(512 << 52), sincos, exp, log, erf, erfc);
