@@ -32,7 +32,7 @@ impl<F: Real> Polarized<F> {
 /// What happens to light at the boundary of two dielectrics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DielectricBoundary<F> {
-    /// Fraction reflected, \[0, 1\].
+    /// Fraction reflected, \[0, 1\] to rounding.
     pub reflectance: Polarized<F>,
     /// Fraction transmitted, 1 − R but computed without the subtraction.
     pub transmittance: Polarized<F>,
@@ -86,7 +86,7 @@ pub fn dielectric<F: Real>(cos_theta_i: F, eta: F) -> DielectricBoundary<F> {
 /// What happens to light at the surface of a conductor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConductorBoundary<F> {
-    /// Fraction reflected, \[0, 1\].
+    /// Fraction reflected, \[0, 1\] to rounding.
     pub reflectance: Polarized<F>,
     /// Fraction absorbed, 1 − R but computed without the subtraction.
     pub absorptance: Polarized<F>,
@@ -95,38 +95,63 @@ pub struct ConductorBoundary<F> {
 /// Exact Fresnel equations for a conductor of relative complex index `eta` + i `k`.
 ///
 /// # Definition
-/// Complex Snell refraction with N cos θt = a + i b, a² + b² = |N² − sin²θi|:
-/// R_s = |(cos θi − N cos θt) / (cos θi + N cos θt)|², R_p = R_s |(N cos θt cos θi − sin²θi) / (… + …)|²
-/// written over a² + b² and a alone (Born & Wolf, *Principles of Optics* §14.2). The smaller of a and b comes
-/// from a b = η k, because √(½(a² + b² ± t)) cancels for the smaller one.
+/// With c = cos θi, s = sin θi and N cos θt = √(N² − s²) = a + i b:
+/// R_s = ((a − c)² + b²) / ((a + c)² + b²), R_p = R_s ((a c − s²)² + (b c)²) / ((a c + s²)² + (b c)²),
+/// the complex amplitudes of Born & Wolf, *Principles of Optics* §14.2, multiplied out. Every term is a square,
+/// so nothing is negative, and 1 − R is 4 a c over the same denominator. The smaller of a and b comes from
+/// a b = η k, because √(½(|N² − s²| ± Re(N² − s²))) cancels for the smaller one.
 ///
 /// # Limits
 /// k = 0 is the dielectric, total internal reflection included; η = 0 reflects everything.
 #[inline]
 pub fn conductor<F: Real>(cos_theta_i: F, eta: F, k: F) -> ConductorBoundary<F> {
     let c = cos_theta_i;
-    let (c2, s2) = (c * c, (F::ONE - c) * (F::ONE + c));
-    // Re(N²) − sin²θi; η² − sin²θi would cancel near η = 1.
-    let t0 = (eta - F::ONE) * (eta + F::ONE) - k * k + c2;
-    let twice_eta_k = F::TWO * eta * k;
-    let modulus = (t0 * t0 + twice_eta_k * twice_eta_k).sqrt();
-    let a = if t0 >= F::ZERO {
-        (F::HALF * (modulus + t0)).sqrt()
+    let s2 = (F::ONE - c) * (F::ONE + c);
+    // Re(N² − s²), in the form that does not cancel: η² − s² does near η = 1, η² − 1 + c² does near η = 0.
+    let real =
+        if eta < F::HALF { eta * eta - s2 - k * k } else { (eta - F::ONE) * (eta + F::ONE) + c * c - k * k };
+    let imaginary = F::TWO * eta * k;
+    let modulus = hypotenuse(real.abs(), imaginary);
+    let (a, b) = if modulus <= F::ZERO {
+        (F::ZERO, F::ZERO)
+    } else if real >= F::ZERO {
+        let a = (F::HALF * (modulus + real)).sqrt();
+        (a, eta * k / a)
     } else {
-        eta * k / (F::HALF * (modulus - t0)).sqrt()
+        let b = (F::HALF * (modulus - real)).sqrt();
+        (eta * k / b, b)
     };
-    let (t1, t2) = (modulus + c2, F::TWO * a * c);
-    if t1 + t2 <= F::ZERO {
+    let sum = (a + c).squared() + b * b;
+    if sum <= F::ZERO {
         // Only an index-matched medium (η = 1, k = 0) at exact grazing: it reflects nothing at any angle.
         let (none, all) = (Polarized { s: F::ZERO, p: F::ZERO }, Polarized { s: F::ONE, p: F::ONE });
         return ConductorBoundary { reflectance: none, absorptance: all };
     }
-    let (t3, t4) = (c2 * modulus + s2 * s2, t2 * s2);
-    let r_s = (t1 - t2) / (t1 + t2);
-    let absorptance_s = F::TWO * t2 / (t1 + t2);
+    let r_s = ((a - c).squared() + b * b) / sum;
+    let a_s = F::FOUR * a * c / sum;
+    let p_sum = (a * c + s2).squared() + (b * c).squared();
+    // At normal incidence both polarisations are the same, also where an index near 0 makes this 0/0.
+    let (p_ratio, p_rest) = if p_sum > F::ZERO {
+        (((a * c - s2).squared() + (b * c).squared()) / p_sum, F::FOUR * a * c * s2 / p_sum)
+    } else {
+        (F::ONE, F::ZERO)
+    };
     ConductorBoundary {
-        reflectance: Polarized { s: r_s, p: r_s * ((t3 - t4) / (t3 + t4)) },
-        absorptance: Polarized { s: absorptance_s, p: absorptance_s + r_s * (F::TWO * t4 / (t3 + t4)) },
+        reflectance: Polarized { s: r_s, p: r_s * p_ratio },
+        absorptance: Polarized { s: a_s, p: a_s + r_s * p_rest },
+    }
+}
+
+/// √(x² + y²) of numbers that are not negative, also where their squares underflow.
+#[inline]
+fn hypotenuse<F: Real>(x: F, y: F) -> F {
+    let larger = x.max(y);
+    if larger > F::TANGENT {
+        (x * x + y * y).sqrt()
+    } else if larger > F::ZERO {
+        larger * ((x / larger).squared() + (y / larger).squared()).sqrt()
+    } else {
+        F::ZERO
     }
 }
 

@@ -41,6 +41,7 @@ pub mod lobe;
 pub mod microfacet;
 pub mod parameter;
 pub mod real;
+pub mod report;
 
 pub mod rgb;
 pub mod special;

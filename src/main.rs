@@ -1,2 +1,9 @@
-//! The command line of gonio.
-fn main() {}
+//! The command line of gonio: one file per verb in `cli`.
+
+mod cli;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::run()
+}

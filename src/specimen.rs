@@ -3,7 +3,11 @@
 //! [`catalogue`] lists every case of every lobe in both precisions. A lobe without an arm in `cases` does not
 //! build; one without a case fails a test by name.
 
-use bxdf_tests::{Boundary, Claims, Direction, Energy, Measure, Microsurface, Precision, Scatter, Transport};
+use bxdf_tests::{
+    Boundary, Claims, Direction, Energy, Measure, Microsurface, Plan, Precision, Scatter, Transport, Verdict,
+    examine,
+};
+use rayon::prelude::*;
 
 use crate::bxdf::{Bxdf, Pdf, TransportMode};
 use crate::fresnel::{self, Fresnel, Polarized};
@@ -157,6 +161,26 @@ pub fn catalogue() -> Result<Vec<Box<dyn bxdf_tests::Specimen>>, CatalogueError>
     Ok(specimens)
 }
 
+/// Runs every suite that applies on every specimen, in parallel; the verdicts are in the order of the specimens.
+///
+/// `finished` is called with the name of each specimen that is done.
+pub fn verify(
+    specimens: &[Box<dyn bxdf_tests::Specimen>],
+    plan: &Plan,
+    finished: &(dyn Fn(&str) + Sync),
+) -> Vec<Verdict> {
+    let verdicts: Vec<Vec<Verdict>> = specimens
+        .par_iter()
+        .with_max_len(1)
+        .map(|specimen| {
+            let verdicts = examine(&**specimen, plan);
+            finished(&specimen.name());
+            verdicts
+        })
+        .collect();
+    verdicts.into_iter().flatten().collect()
+}
+
 /// A case of the catalogue that cannot be built.
 #[derive(Debug, thiserror::Error)]
 pub enum CatalogueError {
@@ -217,25 +241,31 @@ fn cases<F: Real>(kind: LobeKind) -> Result<Vec<LobeSpecimen<F>>, CatalogueError
             }
         }
         LobeKind::MicrofacetReflection => {
+            let shapes = [(Shape::Ggx, "ggx"), (Shape::Beckmann, "beckmann")];
+            let mut push = |family: &str, case: String, shape, [x, y]: [f64; 2], fresnel| {
+                let lobe = MicrofacetReflection::new(Distribution::new(shape, f(x), f(y))?, fresnel);
+                cases.push(LobeSpecimen::new(&format!("{family}/{case}"), lobe));
+                Ok::<(), OutOfRange>(())
+            };
             let [eta, k] = metal("gold/Johnson-1972")?;
             let gold = Fresnel::conductor(eta, k)?;
-            for (shape, name) in [(Shape::Ggx, "ggx"), (Shape::Beckmann, "beckmann")] {
+            for (shape, name) in shapes {
                 for alpha in ALPHAS {
-                    let lobe = MicrofacetReflection::new(Distribution::new(shape, f(alpha), f(alpha))?, gold);
-                    cases.push(LobeSpecimen::new(&format!("rough_conductor/{name}_{alpha}"), lobe));
+                    push("rough_conductor", format!("{name}_{alpha}"), shape, [alpha; 2], gold)?;
                 }
                 for [x, y] in ANISOTROPIC {
-                    let lobe = MicrofacetReflection::new(Distribution::new(shape, f(x), f(y))?, gold);
-                    cases.push(LobeSpecimen::new(&format!("rough_conductor/{name}_{x}_{y}"), lobe));
+                    push("rough_conductor", format!("{name}_{x}_{y}"), shape, [x, y], gold)?;
                 }
+            }
+            for (shape, name) in shapes {
                 let white = Fresnel::constant(Rgb::WHITE)?;
-                let lobe = MicrofacetReflection::new(Distribution::new(shape, f(0.5), f(0.5))?, white);
-                cases.push(LobeSpecimen::new(&format!("rough_mirror/{name}_0.5"), lobe));
-                for eta in [1.5, 1.0 / 1.5] {
+                push("rough_mirror", format!("{name}_0.5"), shape, [0.5; 2], white)?;
+            }
+            for (shape, name) in shapes {
+                for (index, eta) in [("1.5", 1.5), ("1_over_1.5", 1.0 / 1.5)] {
                     let glass = Fresnel::dielectric(f(eta))?;
-                    let lobe = MicrofacetReflection::new(Distribution::new(shape, f(0.3), f(0.3))?, glass);
-                    let name = format!("rough_dielectric_reflection/{name}_0.3_eta_{eta:.3}");
-                    cases.push(LobeSpecimen::new(&name, lobe));
+                    let case = format!("{name}_0.3_eta_{index}");
+                    push("rough_dielectric_reflection", case, shape, [0.3; 2], glass)?;
                 }
             }
         }

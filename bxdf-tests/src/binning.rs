@@ -26,7 +26,7 @@ pub(crate) struct Chart {
 
 impl Chart {
     pub(crate) fn new(wo: Direction) -> Self {
-        let sine = wo[0].hypot(wo[1]);
+        let sine = libm::hypot(wo[0], wo[1]);
         let mirror = if sine > 0.0 { [-wo[0] / sine, -wo[1] / sine] } else { [1.0, 0.0] };
         Self { mirror }
     }

@@ -29,6 +29,7 @@ pub use claims::{Boundary, Claims, Energy, Precision, Waiver};
 pub use plan::{FAMILY_ERROR_RATE, Plan, run_seed};
 pub use specimen::{Direction, Measure, Microsurface, Scatter, Specimen, Transport};
 pub use suite::{Examination, Suite, examine};
+pub use survey::{Albedo, directional_albedo};
 pub use verdict::{Outcome, Verdict, Witness};
 
 /// Runs every suite that applies, with a fresh [`run_seed`], and panics with all verdicts that do not hold.

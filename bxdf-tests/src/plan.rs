@@ -30,10 +30,6 @@ pub(crate) struct Setting {
     pub(crate) wo: Direction,
     /// What is carried.
     pub(crate) transport: Transport,
-    /// Polar angle \[deg\] and azimuth \[rad\] that the direction was made from.
-    polar_deg: f64,
-    azimuth: f64,
-    from_above: bool,
 }
 
 impl Setting {
@@ -42,14 +38,14 @@ impl Setting {
     }
 
     fn name(&self) -> String {
-        let side = if self.from_above { "above" } else { "below" };
-        format!("{side} {} deg {} rad {:?}", self.polar_deg, self.azimuth, self.transport)
+        let [x, y, z] = self.wo;
+        format!("wo {x:e} {y:e} {z:e} {:?}", self.transport)
     }
 }
 
 impl Plan {
     /// Samples per setting unless told otherwise.
-    pub const DEFAULT_SAMPLES: usize = 1 << 19;
+    pub const DEFAULT_SAMPLES: usize = 1 << 18;
 
     /// The plan of a run over the given specimens.
     pub fn new<'a>(run_seed: u64, specimens: impl IntoIterator<Item = &'a dyn Specimen>) -> Self {
@@ -126,13 +122,7 @@ pub(crate) fn settings(claims: &Claims) -> Vec<Setting> {
             for &azimuth in azimuths {
                 let [x, y, z] = direction(polar_deg, azimuth);
                 let wo = [x, y, if from_above { z } else { -z }];
-                settings.extend(transports.iter().map(|&transport| Setting {
-                    wo,
-                    transport,
-                    polar_deg,
-                    azimuth,
-                    from_above,
-                }));
+                settings.extend(transports.iter().map(|&transport| Setting { wo, transport }));
             }
         }
     }

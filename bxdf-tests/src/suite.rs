@@ -147,17 +147,18 @@ impl<'a> Examination<'a> {
         survey.tally(self.specimen, &self.claims, setting, &mut generator, samples)
     }
 
-    /// How much `g` may change because directions are rounded: its largest change within 16 ε of `wi`, plus
-    /// 64 ε of its value.
+    /// How much `g` may change because directions are rounded: its largest change when `wi` moves by 16 ε, across
+    /// or along itself, plus 64 ε of its value.
     ///
     /// A lobe of small α turns the rounding of its inputs into a large relative error; nobody can ask for
-    /// less than the condition of the problem.
+    /// less than the condition of the problem. Moves along the direction count because a rounded unit vector
+    /// has not quite unit length, which at grazing incidence tilts the half vector.
     pub(crate) fn rounding_error(&self, wi: Direction, value: f64, g: impl Fn(Direction) -> f64) -> f64 {
         let epsilon = self.claims.precision.epsilon();
         let [first, second] = tangents(wi);
-        let change = [first, second]
+        let change = [first, second, wi]
             .into_iter()
-            .flat_map(|tangent| [16.0 * epsilon, -16.0 * epsilon].map(|step| moved(wi, tangent, step)))
+            .flat_map(|axis| [16.0 * epsilon, -16.0 * epsilon].map(|step| moved(wi, axis, step)))
             .map(|near| (g(near) - value).abs())
             .fold(0.0, f64::max);
         change + 64.0 * epsilon * value.abs()
@@ -173,8 +174,8 @@ fn tangents([x, y, z]: Direction) -> [Direction; 2] {
     [[1.0 + sign * x * x * a, sign * b, -sign * x], [b, sign + y * y * a, -y]]
 }
 
-fn moved(w: Direction, tangent: Direction, step: f64) -> Direction {
-    normalized(core::array::from_fn(|i| w[i] + step * tangent[i]))
+fn moved(w: Direction, axis: Direction, step: f64) -> Direction {
+    core::array::from_fn(|i| w[i] + step * axis[i])
 }
 
 fn normalized(w: Direction) -> Direction {

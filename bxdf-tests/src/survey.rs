@@ -4,7 +4,7 @@
 use crate::binning::{Chart, Partition, Point};
 use crate::plan::{Plan, Setting};
 use crate::quadrature::{Effort, Integral, NODES, integrate};
-use crate::specimen::{Direction, Measure, Scatter, Specimen};
+use crate::specimen::{Direction, Measure, Scatter, Specimen, Transport};
 use crate::{Claims, Precision};
 use rand::RngExt;
 use rand_pcg::Pcg64;
@@ -101,6 +101,21 @@ fn find_or_add(atoms: &mut Vec<Atom>, atom: Atom, precision: Precision) -> Optio
     })
 }
 
+/// Directional albedo of a specimen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Albedo {
+    /// ∫ f |cos θi| dωi plus the deltas, per channel.
+    pub value: [f64; 3],
+    /// Bound on the error of the cubature, per channel.
+    pub error: [f64; 3],
+}
+
+/// The directional albedo at `wo`, by adaptive cubature of `eval` over cells that follow the sampler.
+pub fn directional_albedo(specimen: &dyn Specimen, wo: Direction, transport: Transport) -> Albedo {
+    let plan = Plan::new(0, [specimen]);
+    Survey::new(specimen, &specimen.claims(), &plan, &Setting { wo, transport }).albedo()
+}
+
 impl Survey {
     pub(crate) fn new(specimen: &dyn Specimen, claims: &Claims, plan: &Plan, setting: &Setting) -> Self {
         let precision = claims.precision;
@@ -168,6 +183,21 @@ impl Survey {
             self.integral.add(&integral);
         }
         self.largest_weight = largest_weight;
+    }
+
+    /// ∫ f cos plus the deltas, per channel, with error bounds: the directional albedo.
+    pub(crate) fn albedo(&self) -> Albedo {
+        Albedo {
+            value: core::array::from_fn(|channel| {
+                self.integral.value[1 + channel] + self.atom_moment(channel, 1)
+            }),
+            error: core::array::from_fn(|channel| self.integral.error[1 + channel]),
+        }
+    }
+
+    /// Σ p wⁿ over the deltas.
+    pub(crate) fn atom_moment(&self, channel: usize, n: i32) -> f64 {
+        self.atoms.iter().map(|atom| atom.probability * atom.scatter.weight[channel].powi(n)).sum()
     }
 
     /// Mass of all deltas.

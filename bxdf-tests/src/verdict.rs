@@ -57,13 +57,15 @@ pub(crate) struct Check {
     pub(crate) witness: Witness,
     /// Number of random samples behind the value; 0 where none.
     pub(crate) samples: u64,
+    /// Number of cells of a χ² table after pooling.
+    pub(crate) cells: Option<usize>,
     /// The evidence cannot carry a conclusion, unless it already contradicts.
     pub(crate) inconclusive: bool,
 }
 
 impl Check {
     pub(crate) fn new(what: &'static str, value: f64, limit: f64, witness: Witness) -> Self {
-        Self { what, value, limit, witness, samples: 0, inconclusive: false }
+        Self { what, value, limit, witness, samples: 0, cells: None, inconclusive: false }
     }
 
     /// A p-value against its level, on the scale −log₁₀ p.
@@ -104,6 +106,7 @@ pub(crate) struct Ledger {
     checks: u64,
     samples: u64,
     violations: u64,
+    least_cells: Option<usize>,
     worst: Option<Check>,
     inconclusive: Option<Check>,
 }
@@ -113,6 +116,7 @@ impl Ledger {
         self.checks += 1;
         self.samples += check.samples;
         self.violations += u64::from(!check.holds());
+        self.least_cells = self.least_cells.into_iter().chain(check.cells).min();
         if check.inconclusive {
             self.inconclusive.get_or_insert(check);
         }
@@ -142,6 +146,7 @@ impl Ledger {
             checks: self.checks,
             violations: self.violations,
             samples: self.samples,
+            least_cells: self.least_cells,
             run_seed,
             witness: check.witness,
         }
@@ -171,6 +176,9 @@ pub struct Verdict {
     pub violations: u64,
     /// How many random samples were drawn for them.
     pub samples: u64,
+    /// Cells of the smallest χ² table at the finest resolution, after pooling: how much the suite could see.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_cells: Option<usize>,
     /// The run seed; with the name of the specimen it reproduces the run.
     pub run_seed: u64,
     /// Where the most telling check was made.

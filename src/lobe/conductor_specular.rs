@@ -17,9 +17,9 @@ use crate::rgb::Rgb;
 /// # Example
 /// ```
 /// use gonio::{bxdf::{Bxdf, TransportMode}, lobe::ConductorSpecular, rgb::Rgb};
-/// let chrome = ConductorSpecular::new(Rgb([3.14, 3.03, 2.46]), Rgb([3.31, 3.33, 3.21]))?;
+/// let chrome = ConductorSpecular::new(Rgb([3.145_f64, 3.034, 2.456]), Rgb([3.312, 3.330, 3.210]))?;
 /// let sample = chrome.sample(glam::DVec3::Z, 0.0, [0.0; 2], TransportMode::Radiance).unwrap();
-/// assert!((sample.weight[0] - 0.552).abs() < 1e-3);
+/// assert!((sample.weight[0] - 0.553).abs() < 1e-3);
 /// # Ok::<(), gonio::parameter::OutOfRange>(())
 /// ```
 #[derive(Clone, Debug)]

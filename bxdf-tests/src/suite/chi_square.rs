@@ -48,6 +48,7 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
             };
             let mut check = Check::p_value(tail.what, ln_p, level, tail.samples, witness);
             check.inconclusive = tail.inconclusive;
+            check.cells = tail.cells;
             ledger.record(check);
         }
     }
@@ -57,6 +58,8 @@ struct Tail {
     what: &'static str,
     ln_p: f64,
     samples: u64,
+    /// Cells of the table after pooling, at the finest resolution.
+    cells: Option<usize>,
     inconclusive: bool,
 }
 
@@ -87,8 +90,9 @@ fn tails(examination: &Examination<'_>, survey: &Survey, tally: &Tally) -> Vec<T
             if level == RESOLUTIONS - 1 {
                 rare = rows.iter().copied().filter(|row| samples * row.probability < POOLED_BELOW).collect();
             }
-            let (ln_p, inconclusive) = pearson(rows, samples);
-            Tail { what: WHAT[level], ln_p, samples: tally.samples, inconclusive }
+            let Pearson { ln_p, cells, inconclusive } = pearson(rows, samples);
+            let cells = (level == RESOLUTIONS - 1).then_some(cells);
+            Tail { what: WHAT[level], ln_p, samples: tally.samples, cells, inconclusive }
         })
         .collect();
     let surprise = rare
@@ -99,6 +103,7 @@ fn tails(examination: &Examination<'_>, survey: &Survey, tally: &Tally) -> Vec<T
         what: "-log10 p of samples where the pdf is next to nothing",
         ln_p: (surprise + (rare.len().max(1) as f64).ln()).min(0.0),
         samples: 0,
+        cells: None,
         inconclusive: false,
     });
     tails
@@ -140,10 +145,18 @@ fn is_poor(row: &Row, samples: f64) -> bool {
         || samples * row.error * row.error > POOLED_ABOVE * row.probability
 }
 
-/// ln p of Pearson's statistic over pooled rows, and whether the expected counts are too uncertain for it.
-fn pearson(mut rows: Vec<Row>, samples: f64) -> (f64, bool) {
+/// Pearson's statistic over pooled rows.
+struct Pearson {
+    ln_p: f64,
+    /// Rows after pooling.
+    cells: usize,
+    /// The expected counts are too uncertain for a conclusion.
+    inconclusive: bool,
+}
+
+fn pearson(mut rows: Vec<Row>, samples: f64) -> Pearson {
     if rows.iter().any(|row| row.probability.is_nan()) {
-        return (f64::NAN, false);
+        return Pearson { ln_p: f64::NAN, cells: 0, inconclusive: false };
     }
     // Pooled by expectation and its error, never by what was observed.
     rows.sort_by(|a, b| a.probability.total_cmp(&b.probability));
@@ -176,7 +189,11 @@ fn pearson(mut rows: Vec<Row>, samples: f64) -> (f64, bool) {
     // √X² is a distance; expected counts that are off by δ move it by no more than the length of δ/√E.
     let least = (statistic.sqrt() - quadrature.sqrt()).max(0.0).powi(2);
     let deviation = (2.0 * (pools.len() as f64 - 1.0).max(1.0)).sqrt();
-    (ln_pearson_tail(least, &probabilities, samples), quadrature > TOLERATED * deviation)
+    Pearson {
+        ln_p: ln_pearson_tail(least, &probabilities, samples),
+        cells: pools.len(),
+        inconclusive: quadrature > TOLERATED * deviation,
+    }
 }
 
 #[cfg(test)]
@@ -191,10 +208,10 @@ mod tests {
     fn the_leftover_of_pooling_is_merged_not_dropped() {
         // 0.5 expected in the rare row, 20 observed: dropping the leftover would hide them.
         let rows = vec![row(0.5 - 2.5e-4, 480), row(0.5 - 2.5e-4, 500), row(5e-4, 20)];
-        let (merged, _) = pearson(rows, 1000.0);
-        let (dropped, _) = pearson(vec![row(0.5, 490), row(0.5, 490)], 1000.0);
+        let merged = pearson(rows, 1000.0).ln_p;
+        let dropped = pearson(vec![row(0.5, 490), row(0.5, 490)], 1000.0).ln_p;
         assert!(merged > dropped - 5.0);
-        let (all, _) = pearson(vec![row(0.98, 940), row(0.02, 60)], 1000.0);
+        let all = pearson(vec![row(0.98, 940), row(0.02, 60)], 1000.0).ln_p;
         assert!(all < -30.0, "{all}");
     }
 
@@ -202,8 +219,8 @@ mod tests {
     fn uncertain_expectations_are_inconclusive_and_never_a_violation() {
         let sure = vec![row(0.5, 5300), row(0.5, 4700)];
         let unsure = vec![Row { error: 0.03, ..row(0.5, 5300) }, Row { error: 0.03, ..row(0.5, 4700) }];
-        assert!(pearson(sure, 1e4).0 < -15.0);
-        let (ln_p, inconclusive) = pearson(unsure, 1e4);
+        assert!(pearson(sure, 1e4).ln_p < -15.0);
+        let Pearson { ln_p, inconclusive, .. } = pearson(unsure, 1e4);
         assert!(ln_p > -1.0 && inconclusive);
     }
 }

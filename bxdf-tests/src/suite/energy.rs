@@ -15,17 +15,12 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
         let samples = tally.samples as f64;
         // Power is what importance carries; radiance gains or loses η² on the way through a boundary.
         let is_power = !claims.transmits || setting.transport == Transport::Importance;
+        let surveyed = survey.albedo();
         for channel in 0..3 {
-            let atoms = |power: i32| -> f64 {
-                let term =
-                    |atom: &crate::survey::Atom| atom.probability * atom.scatter.weight[channel].powi(power);
-                survey.atoms.iter().map(term).sum()
-            };
-            let albedo = survey.integral.value[1 + channel] + atoms(1);
-            let error = survey.integral.error[1 + channel] + rounding;
+            let albedo = surveyed.value[channel];
+            let error = surveyed.error[channel] + rounding;
             if is_power && let Some(energy) = claims.energy {
-                let check = Check::new("directional albedo", albedo, 1.0 + error, witness);
-                ledger.record(check);
+                ledger.record(Check::new("directional albedo above 1", albedo - 1.0, error, witness));
                 if energy == Energy::Lossless && is_reached(claims.two_sided, setting.wo[2]) {
                     let loss = 1.0 - albedo;
                     ledger.record(Check::new("energy lost by a lossless specimen", loss, error, witness));
@@ -33,7 +28,7 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
             }
             let mean = tally.weight[channel] / samples;
             let difference = ((mean - albedo).abs() - error).max(0.0);
-            let second_moment = survey.integral.value[4 + channel] + atoms(2);
+            let second_moment = survey.integral.value[4 + channel] + survey.atom_moment(channel, 2);
             let deviation = (second_moment - albedo * albedo).max(0.0).sqrt();
             let ln_p = if mean.is_nan() || albedo.is_nan() {
                 f64::NAN

@@ -14,7 +14,7 @@ pub(crate) fn reference(cos_theta: f64, eta: f64, k: f64) -> [f64; 2] {
     // N² and q = N cos θt = √(N² − sin²θ), Im q ≥ 0; N² − 1 + cos² keeps the digits near N = 1.
     let n2 = [(eta - 1.0) * (eta + 1.0) - k * k + 1.0, 2.0 * eta * k];
     let [re, im] = [(eta - 1.0) * (eta + 1.0) - k * k + cos_theta * cos_theta, 2.0 * eta * k];
-    let modulus = re.hypot(im);
+    let modulus = libm::hypot(re, im);
     let q = if modulus == 0.0 {
         [0.0, 0.0]
     } else if re >= 0.0 {
@@ -123,7 +123,6 @@ fn smooth(
     channel: usize,
     from_above: bool,
 ) {
-    let specimen = examination.specimen;
     let epsilon = examination.claims.precision.epsilon();
     let wo = incident(cos_theta, from_above);
     let transport = Transport::Importance;
@@ -163,7 +162,6 @@ fn smooth(
         let what = "error of the index that a delta reports";
         ledger.record(Check::new(what, (delta.eta - index).abs(), 4.0 * epsilon * index, witness));
     }
-    let _ = specimen;
 }
 
 /// The deltas of one direction: the component's uniform is swept, and its end tried.

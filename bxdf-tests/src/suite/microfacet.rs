@@ -108,7 +108,7 @@ fn pointwise(
             let witness = witness.with_wi(wi);
             let g2 = surface.g2(wo, wi);
             let least = g1.min(surface.g1(wi));
-            ledger.record(Check::new("G2 against the smaller G1", g2, least * (1.0 + rounding), witness));
+            ledger.record(Check::new("G2 above the smaller G1", g2 - least, rounding * least, witness));
             let difference = (g2 - surface.g2(wi, wo)).abs();
             ledger.record(Check::new("G2(wo, wi) - G2(wi, wo)", difference, rounding, witness));
         }

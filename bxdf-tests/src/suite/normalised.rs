@@ -8,7 +8,7 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     for Surveyed { setting, survey, tally } in examination.surveys() {
         let witness = setting.witness();
         let [none, error] = survey.no_sample(examination.claims.precision);
-        ledger.record(Check::new("mass of the pdf and the deltas", 1.0 - none, 1.0 + error, witness));
+        ledger.record(Check::new("mass of the pdf and the deltas above 1", -none, error, witness));
         let ln_p = if none.is_nan() {
             f64::NAN
         } else {

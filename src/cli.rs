@@ -1,0 +1,159 @@
+//! Verbs, options, exit codes.
+//!
+//! Results go to standard output, progress and errors to standard error. Exit codes: 0 everything holds,
+//! 1 violations or differences, 2 usage, file or internal error, 3 inconclusive with `--deny inconclusive`.
+
+mod ior;
+mod list;
+mod plot;
+mod progress;
+mod report;
+mod verify;
+
+use std::io::Write as _;
+use std::process::ExitCode;
+
+use bxdf_tests::{Outcome, Verdict};
+use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
+
+/// Why a verb could not do its work; exit code 2.
+pub(crate) type Failure = Box<dyn std::error::Error>;
+
+#[derive(Parser)]
+#[command(name = "gonio", version, about = "Verifies materials and BxDFs")]
+struct Cli {
+    #[command(subcommand)]
+    verb: Option<Verb>,
+    #[command(flatten)]
+    general: General,
+}
+
+#[derive(Args)]
+pub(crate) struct General {
+    /// No progress on standard error
+    #[arg(short, long, global = true)]
+    quiet: bool,
+    /// Number of threads; all processors unless given. It changes no result
+    #[arg(long, global = true, value_name = "N")]
+    threads: Option<usize>,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Lobes, specimens and suites
+    List(list::Options),
+    /// Runs the suites on specimens and prints a verdict for each
+    Verify(verify::Options),
+    /// Draws one figure and writes its numbers beside it
+    #[command(subcommand)]
+    Plot(plot::Kind),
+    /// Measured optical constants: list, show, compare
+    #[command(subcommand)]
+    Ior(ior::Verb),
+    /// Runs everything and writes the report
+    Report(report::Options),
+}
+
+/// How results are printed.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// For people
+    Full,
+    /// For programs
+    Json,
+}
+
+/// Seed of a run and its size.
+#[derive(Args)]
+pub(crate) struct Run {
+    /// Run seed: with the names of the specimens it fixes every random number
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    seed: u64,
+    /// Random samples per direction and transport mode
+    #[arg(long, default_value_t = bxdf_tests::Plan::DEFAULT_SAMPLES, value_name = "N", value_parser = samples)]
+    samples: usize,
+}
+
+fn samples(text: &str) -> Result<usize, String> {
+    let range = 1_000..=1_000_000_000;
+    let number: usize = text.parse().map_err(|_| format!("`{text}` is not a whole number"))?;
+    if range.contains(&number) { Ok(number) } else { Err(format!("{number} is not in 1000 to 1000000000")) }
+}
+
+/// What verdicts make of the exit code.
+#[derive(Args)]
+pub(crate) struct Judgement {
+    /// Also fail (exit code 3) where the evidence is inconclusive
+    #[arg(long, value_name = "WHAT")]
+    deny: Option<Deny>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Deny {
+    /// Verdicts without a conclusion
+    Inconclusive,
+}
+
+impl Judgement {
+    fn exit_code(&self, verdicts: &[Verdict]) -> ExitCode {
+        let any = |outcome| verdicts.iter().any(|verdict| verdict.outcome == outcome);
+        if any(Outcome::Violated) {
+            ExitCode::from(1)
+        } else if self.deny.is_some() && any(Outcome::Inconclusive) {
+            ExitCode::from(3)
+        } else {
+            ExitCode::SUCCESS
+        }
+    }
+}
+
+const CHEAT_SHEET: &str = "\
+gonio verifies materials and BxDFs.
+
+  gonio report                            everything: verdicts and figures into reports/index.html
+  gonio report --check                    does reports/ still say what would be written?
+  gonio verify                            every specimen against every suite
+  gonio verify rough_conductor            one family;  gonio list  names them all
+  gonio plot fresnel                      the thesis's Figure 5 as fresnel.svg and fresnel.csv
+  gonio plot fresnel gold/Johnson-1972    the same for data sets or CSV files of your choice
+  gonio ior list                          measured optical constants
+  gonio ior compare copper                how far published data sets differ
+  gonio ior show copper/Johnson-1972      one data set: range, colour, RGB index, source
+
+gonio help VERB explains the options of a verb.
+";
+
+/// Prints to standard output; a reader that went away (`gonio list | head`) is not an error.
+pub(crate) fn print(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}
+
+pub(crate) fn run() -> ExitCode {
+    let cli = Cli::parse();
+    let Some(verb) = cli.verb else {
+        print(CHEAT_SHEET);
+        return ExitCode::SUCCESS;
+    };
+    let result = configure_threads(&cli.general).and_then(|()| match verb {
+        Verb::List(options) => list::run(&options),
+        Verb::Verify(options) => verify::run(&options, &cli.general),
+        Verb::Plot(kind) => plot::run(&kind),
+        Verb::Ior(verb) => ior::run(&verb),
+        Verb::Report(options) => report::run(&options, &cli.general),
+    });
+    result.unwrap_or_else(|failure| {
+        eprintln!("error: {failure}");
+        ExitCode::from(2)
+    })
+}
+
+fn configure_threads(general: &General) -> Result<(), Failure> {
+    match general.threads {
+        Some(0) => {
+            Cli::command().error(clap::error::ErrorKind::InvalidValue, "--threads must be at least 1").exit()
+        }
+        Some(threads) => Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,162 @@
+//! The report: verdicts and figures as files that are the same on every machine.
+//!
+//! Everything is made in memory first and written file by file, each under a temporary name that is then
+//! renamed: an interrupted run leaves the previous report as it was.
+
+mod compare;
+mod figure;
+mod page;
+
+use std::fs;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use bxdf_tests::{FAMILY_ERROR_RATE, Plan, Specimen, Verdict};
+use serde::Serialize;
+
+use crate::ior::{IorError, Table, builtin};
+use crate::specimen::verify;
+pub use compare::Difference;
+pub use figure::FresnelFigure;
+
+/// Data sets of the thesis's Figure 5: copper, aluminium, iron, diamond, glass and water.
+pub const FIGURE_5: [&str; 6] = [
+    "aluminium/Rakic-1995",
+    "copper/Johnson-1972",
+    "iron/Johnson-1974",
+    "diamond/Peter-1923",
+    "n_bk7/Schott-2017",
+    "water/Hale-1973",
+];
+
+/// Wavelength \[nm\] of the sodium D line, at which glasses are quoted.
+pub const SODIUM_D_NM: f64 = 589.3;
+
+/// Why a report cannot be made, written or compared.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// Optical constants are missing.
+    #[error(transparent)]
+    Ior(#[from] IorError),
+    /// A chart cannot be drawn.
+    #[error("cannot draw {0}: {1}")]
+    Drawing(&'static str, String),
+    /// Verdicts cannot be written as JSON.
+    #[error("cannot write verdicts as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    /// A file cannot be written.
+    #[error("cannot write {path}: {error}", path = .path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        error: io::Error,
+    },
+}
+
+/// `verdicts.json`.
+#[derive(Serialize)]
+struct VerdictFile<'a> {
+    schema: &'static str,
+    gonio: &'static str,
+    run_seed: u64,
+    samples_per_setting: usize,
+    statistical_checks: usize,
+    family_error_rate: f64,
+    verdicts: &'a [Verdict],
+}
+
+/// Verdicts with their plan as JSON, the machine-readable form of a run.
+pub fn verdicts_json(plan: &Plan, verdicts: &[Verdict]) -> Result<String, serde_json::Error> {
+    let file = VerdictFile {
+        schema: "gonio-verdicts/1",
+        gonio: env!("CARGO_PKG_VERSION"),
+        run_seed: plan.run_seed,
+        samples_per_setting: plan.samples,
+        statistical_checks: plan.family,
+        family_error_rate: FAMILY_ERROR_RATE,
+        verdicts,
+    };
+    serde_json::to_string_pretty(&file).map(|text| text + "\n")
+}
+
+/// A report in memory: file names with their contents.
+pub struct Report {
+    files: Vec<(&'static str, String)>,
+    /// The verdicts that it shows.
+    pub verdicts: Vec<Verdict>,
+}
+
+impl Report {
+    /// Runs all suites on the specimens and draws the figures.
+    pub fn new(
+        specimens: &[Box<dyn Specimen>],
+        plan: &Plan,
+        finished: &(dyn Fn(&str) + Sync),
+    ) -> Result<Self, ReportError> {
+        let tables: Vec<Table> = FIGURE_5.into_iter().map(builtin).collect::<Result<_, _>>()?;
+        let figure = FresnelFigure::new(&tables, SODIUM_D_NM)?;
+        let svg = figure.svg()?;
+        let verdicts = verify(specimens, plan, finished);
+        let page =
+            page::html(&page::Contents { specimens, plan, verdicts: &verdicts, figure: &figure, svg: &svg })?;
+        let files = vec![
+            ("index.html", page),
+            ("fresnel.svg", svg),
+            ("fresnel.csv", figure.csv()),
+            ("verdicts.json", verdicts_json(plan, &verdicts)?),
+        ];
+        Ok(Self { files, verdicts })
+    }
+
+    /// Writes every file into `folder`, which is made if need be.
+    pub fn write(&self, folder: &Path) -> Result<(), ReportError> {
+        fs::create_dir_all(folder).map_err(|error| ReportError::Write { path: folder.to_owned(), error })?;
+        self.files.iter().try_for_each(|(name, contents)| write_file(&folder.join(name), contents))
+    }
+
+    /// Compares with the report in `folder`: structure exactly, numbers within a tolerance.
+    pub fn compare(&self, folder: &Path) -> Vec<Difference> {
+        self.files.iter().filter_map(|(name, contents)| compare::file(&folder.join(name), contents)).collect()
+    }
+}
+
+/// Writes a file under a temporary name beside it, then renames it.
+pub fn write_file(path: &Path, contents: &str) -> Result<(), ReportError> {
+    let failed = |error| ReportError::Write { path: path.to_owned(), error };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = tempfile::Builder::new().prefix(".gonio-").tempfile_in(folder).map_err(failed)?;
+    file.write_all(contents.as_bytes()).map_err(failed)?;
+    make_readable(file.as_file()).map_err(failed)?;
+    file.persist(path).map_err(|error| failed(error.error))?;
+    Ok(())
+}
+
+/// Temporary files are private to their owner; a report is for everyone.
+fn make_readable(file: &fs::File) -> io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        file.set_permissions(fs::Permissions::from_mode(0o644))?;
+    }
+    let _ = file;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_replaced_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write_file(&path, "one").unwrap();
+        write_file(&path, "two").unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "two");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        let error = write_file(&path.join("b.txt"), "three").unwrap_err().to_string();
+        assert!(error.contains("b.txt"), "{error}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "two");
+    }
+}

@@ -1,0 +1,128 @@
+//! The command line as a user meets it: results, messages, exit codes.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Runs gonio in `folder`.
+fn gonio(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_gonio")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Runs gonio, expects exit code 2, nothing on standard output and no new file, and returns the message.
+fn refused(arguments: &[&str]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let output = gonio(folder.path(), arguments);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {output:?}");
+    assert!(output.stdout.is_empty(), "{arguments:?}: {}", text(&output.stdout));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    text(&output.stderr)
+}
+
+fn accepted(arguments: &[&str]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let output = gonio(folder.path(), arguments);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+#[test]
+fn unknown_names_are_answered_with_near_ones() {
+    let message = refused(&["verify", "rough_condutor"]);
+    assert!(
+        message.contains("no specimen is named `rough_condutor`; did you mean rough_conductor"),
+        "{message}"
+    );
+    assert!(message.contains("families: lambertian, smooth_conductor"), "{message}");
+    let message = refused(&["ior", "show", "gold/Jonson-1972"]);
+    assert!(message.contains("did you mean gold/Johnson-1972"), "{message}");
+    let message = refused(&["ior", "compare", "unobtainium"]);
+    assert!(message.contains("no material is named `unobtainium`; choose one of copper, "), "{message}");
+    let message = refused(&["plot", "fresnel", "iron"]);
+    assert!(message.contains("iron/Johnson-1974 (0.512)"), "{message}");
+    assert!(refused(&["plot", "frensel"]).contains("fresnel"));
+    assert!(refused(&["verfy"]).contains("verify"));
+}
+
+#[test]
+fn values_out_of_range_are_named() {
+    let message = refused(&["plot", "fresnel", "water/Hale-1973", "--wavelength-nm", "5000"]);
+    assert!(message.contains("water/Hale-1973 has no value at 5000 nm: it covers 350 to"), "{message}");
+    let message = refused(&["ior", "show", "water/Hale-1973", "--wavelength-nm", "NaN"]);
+    assert!(message.contains("no value at NaN nm"), "{message}");
+    assert!(refused(&["verify", "--samples", "10"]).contains("10 is not in 1000 to"));
+    assert!(refused(&["verify", "--seed", "x"]).contains("--seed"));
+    assert!(refused(&["list", "--threads", "0"]).contains("--threads must be at least 1"));
+    let seven = ["plot", "fresnel", "a", "b", "c", "d", "e", "f", "g"];
+    assert!(refused(&seven).contains("7 data sets given"));
+    assert!(refused(&["plot", "fresnel", "-o", "figure.png"]).contains("ending in .svg"));
+    assert!(refused(&["plot", "fresnel", "-o", "nowhere/figure.svg"]).contains("nowhere/figure.svg"));
+}
+
+#[test]
+fn a_bad_table_is_named_by_file_line_and_value_and_overwrites_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("mine.csv"), "wavelength_nm,eta,k\n400,1.5,0\n390,1.5,0\n").unwrap();
+    fs::write(folder.path().join("fresnel.svg"), "precious").unwrap();
+    let output = gonio(folder.path(), &["plot", "fresnel", "mine.csv"]);
+    assert_eq!(output.status.code(), Some(2));
+    let message = text(&output.stderr);
+    assert!(message.contains("mine.csv:3: wavelength 390 nm follows 400 nm"), "{message}");
+    assert_eq!(fs::read_to_string(folder.path().join("fresnel.svg")).unwrap(), "precious");
+    assert!(refused(&["ior", "show", "missing.csv"]).contains("missing.csv: "));
+}
+
+#[test]
+fn a_report_needs_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("reports"), "a file").unwrap();
+    let output = gonio(folder.path(), &["report", "-q"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("reports is a file"));
+    assert_eq!(fs::read_to_string(folder.path().join("reports")).unwrap(), "a file");
+}
+
+#[test]
+fn figures_come_with_their_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = "wavelength_um,n,k\n0.5,1.5,0\n0.7,1.5,0\n";
+    fs::write(folder.path().join("mine.csv"), own).unwrap();
+    let output = gonio(folder.path(), &["plot", "fresnel", "mine.csv", "mercury", "-o", "two.svg"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let csv = fs::read_to_string(folder.path().join("two.csv")).unwrap();
+    let mut lines = csv.lines();
+    assert!(lines.next().unwrap().starts_with("theta_deg,mine.csv R,mine.csv R_s,mine.csv R_p,mercury/"));
+    assert!(lines.next().unwrap().starts_with("0,0.040000000,0.040000000,0.040000000,"));
+    assert!(lines.next_back().unwrap().starts_with("90,1.000000000,1.000000000,1.000000000,"));
+    let svg = fs::read_to_string(folder.path().join("two.svg")).unwrap();
+    assert!(svg.contains("<title>") && svg.contains("<desc>") && svg.contains("mine.csv"));
+}
+
+#[test]
+fn verdicts_do_not_depend_on_threads_and_do_on_the_seed() {
+    let run = |extra: &[&str]| {
+        let common = ["verify", "rough_mirror", "lambertian/white", "--samples", "5000", "--format", "json"];
+        accepted(&[&common[..], extra].concat())
+    };
+    let one = run(&["--threads", "1"]);
+    assert_eq!(one, run(&["--threads", "3"]));
+    assert_ne!(one, run(&["--seed", "1"]));
+    let verdicts: serde_json::Value = serde_json::from_str(&one).unwrap();
+    assert_eq!(verdicts["schema"], "gonio-verdicts/1");
+    assert_eq!(verdicts["verdicts"].as_array().unwrap().len(), 2 * 2 * 7 + 2 * 6);
+}
+
+#[test]
+fn lists_are_for_people_and_for_programs() {
+    let lists: serde_json::Value = serde_json::from_str(&accepted(&["list", "--format", "json"])).unwrap();
+    assert!(lists["specimens"].as_array().unwrap().len() > 50);
+    assert!(accepted(&["list"]).contains("lambertian/white/f64"));
+    assert!(accepted(&["ior", "list"]).contains("tungsten/Weaver-1975"));
+    assert!(accepted(&["ior", "show", "copper/Johnson-1972"]).contains("10.1103/PhysRevB.6.4370"));
+    assert!(accepted(&["ior", "compare", "copper"]).contains("spread"));
+    assert!(accepted(&[]).contains("gonio report"));
+}
