@@ -12,6 +12,7 @@ mod reduce;
 use serde::{Deserialize, Serialize};
 
 use crate::fresnel::normal_incidence;
+use crate::parameter::did_you_mean;
 pub use read::{BadTable, Problem};
 pub use reduce::{FittedRgb, Illuminant};
 
@@ -76,12 +77,14 @@ pub struct Table {
 #[derive(Debug, thiserror::Error)]
 pub enum IorError {
     /// No such table.
-    #[error("no table is named `{name}`{}; `gonio ior list` shows all, a path ending in .csv reads a file", did_you_mean(.suggestions))]
+    #[error(
+        "no table is named `{name}`{hint}; `gonio ior list` shows all, a path ending in .csv reads a file"
+    )]
     Unknown {
         /// What was asked for.
         name: String,
-        /// Similar names.
-        suggestions: Vec<String>,
+        /// A question about similar names, or nothing.
+        hint: String,
     },
     /// A material with several data sets.
     #[error("`{material}` has several data sets that differ; choose one (R at 0°, 550 nm): {}", .choices.join(", "))]
@@ -110,10 +113,6 @@ pub enum IorError {
     Bad(#[from] BadTable),
 }
 
-fn did_you_mean(suggestions: &[String]) -> String {
-    if suggestions.is_empty() { String::new() } else { format!("; did you mean {}?", suggestions.join(", ")) }
-}
-
 /// Names of all embedded tables, in the order of the index: metals first, the main table of each before its
 /// alternates.
 pub fn provenances() -> Result<Vec<Provenance>, IorError> {
@@ -133,8 +132,8 @@ pub fn builtin(name: &str) -> Result<Table, IorError> {
     match of_material[..] {
         [provenance] => embedded_table(provenance),
         [] => {
-            let suggestions = nearest(name, provenances.iter().map(|provenance| provenance.table.as_str()));
-            Err(IorError::Unknown { name: name.to_owned(), suggestions })
+            let hint = did_you_mean(name, provenances.iter().map(|provenance| provenance.table.as_str()));
+            Err(IorError::Unknown { name: name.to_owned(), hint })
         }
         _ => {
             let choices = of_material.into_iter().map(|provenance| {
@@ -157,23 +156,9 @@ fn embedded_table(provenance: &Provenance) -> Result<Table, IorError> {
     let (_, text) = embedded::TABLES
         .iter()
         .find(|(table, _)| table == name)
-        .ok_or_else(|| IorError::Unknown { name: name.clone(), suggestions: Vec::new() })?;
+        .ok_or_else(|| IorError::Unknown { name: name.clone(), hint: String::new() })?;
     let table = Table::read(name, text.as_bytes())?;
     Ok(Table { provenance: Some(provenance.clone()), ..table })
-}
-
-/// The names closest to `name`, the best first.
-pub fn nearest<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let mut scored: Vec<_> = names
-        .map(|candidate| {
-            let whole = strsim::jaro_winkler(name, candidate);
-            let parts = candidate.split('/').map(|part| strsim::jaro_winkler(name, part));
-            (parts.fold(whole, f64::max), candidate)
-        })
-        .filter(|&(score, _)| score > 0.8)
-        .collect();
-    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
-    scored.into_iter().take(3).map(|(_, candidate)| candidate.to_owned()).collect()
 }
 
 impl Table {

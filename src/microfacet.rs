@@ -175,3 +175,18 @@ impl<F: Real> Distribution<F> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roughness_out_of_range_is_refused_with_its_value() {
+        for alpha in [0.0, -0.1, 1e-5, 1.5, f64::NAN, f64::INFINITY] {
+            let error = Distribution::new(Shape::Ggx, 0.5, alpha).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("alpha_y = {alpha} is out of range")), "{error}");
+            assert!(Distribution::new(Shape::Beckmann, alpha as f32, 0.5).is_err());
+        }
+        assert!(Distribution::new(Shape::Ggx, 1e-4_f32, 1.0).is_ok());
+    }
+}

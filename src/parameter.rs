@@ -1,4 +1,5 @@
-//! Parameters and their ranges: every constructor refuses a value that its formula cannot take.
+//! Parameters, their ranges and their names: every constructor refuses a value that its formula cannot take, and
+//! every unknown name is answered with near ones.
 
 use crate::real::Real;
 
@@ -24,4 +25,20 @@ pub fn require<F: Real>(
     expected: &'static str,
 ) -> Result<F, OutOfRange> {
     if valid(value) { Ok(value) } else { Err(OutOfRange { parameter, value: value.to_f64(), expected }) }
+}
+
+/// A question about the known names most like `name`, to be appended to an error: `; did you mean …?`, or nothing
+/// where none is alike.
+pub fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    let mut scored: Vec<_> = known
+        .map(|candidate| {
+            let whole = strsim::jaro_winkler(name, candidate);
+            let parts = candidate.split('/').map(|part| strsim::jaro_winkler(name, part));
+            (parts.fold(whole, f64::max), candidate)
+        })
+        .filter(|&(score, _)| score > 0.8)
+        .collect();
+    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let alike: Vec<_> = scored.into_iter().take(3).map(|(_, candidate)| candidate).collect();
+    if alike.is_empty() { String::new() } else { format!("; did you mean {}?", alike.join(", ")) }
 }

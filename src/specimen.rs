@@ -153,11 +153,18 @@ impl<F: Real> Microsurface for Distribution<F> {
 /// # Errors
 /// Never for the parameters listed here; the constructors' errors are passed on rather than unwrapped.
 pub fn catalogue() -> Result<Vec<Box<dyn bxdf_tests::Specimen>>, CatalogueError> {
+    let lobes: Vec<_> = LobeKind::ALL.iter().map(|&kind| specimens_of(kind)).collect::<Result<_, _>>()?;
+    Ok(lobes.into_iter().flatten().collect())
+}
+
+/// Every case of one lobe, in both precisions.
+///
+/// # Errors
+/// As [`catalogue`].
+pub fn specimens_of(kind: LobeKind) -> Result<Vec<Box<dyn bxdf_tests::Specimen>>, CatalogueError> {
     let mut specimens: Vec<Box<dyn bxdf_tests::Specimen>> = Vec::new();
-    for &kind in LobeKind::ALL {
-        specimens.extend(cases::<f64>(kind)?.into_iter().map(|case| Box::new(case) as _));
-        specimens.extend(cases::<f32>(kind)?.into_iter().map(|case| Box::new(case) as _));
-    }
+    specimens.extend(cases::<f64>(kind)?.into_iter().map(|case| Box::new(case) as _));
+    specimens.extend(cases::<f32>(kind)?.into_iter().map(|case| Box::new(case) as _));
     Ok(specimens)
 }
 

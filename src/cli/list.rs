@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use bxdf_tests::Suite;
 use gonio::lobe::LobeKind;
-use gonio::specimen::catalogue;
+use gonio::specimen::{CatalogueError, specimens_of};
 use serde::Serialize;
 
 use super::{Failure, Format, print};
@@ -24,42 +24,49 @@ struct Named {
 }
 
 #[derive(Serialize)]
-struct Lists {
-    lobes: Vec<Named>,
-    suites: Vec<Named>,
+struct Lobe {
+    name: &'static str,
+    summary: &'static str,
     specimens: Vec<String>,
 }
 
+#[derive(Serialize)]
+struct Lists {
+    lobes: Vec<Lobe>,
+    suites: Vec<Named>,
+}
+
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
+    let lobe = |&kind: &LobeKind| -> Result<Lobe, CatalogueError> {
+        let specimens = specimens_of(kind)?.iter().map(|specimen| specimen.name()).collect();
+        Ok(Lobe { name: kind.name(), summary: kind.summary(), specimens })
+    };
     let lists = Lists {
-        lobes: LobeKind::ALL
-            .iter()
-            .map(|kind| Named { name: kind.name(), summary: kind.summary() })
-            .collect(),
+        lobes: LobeKind::ALL.iter().map(lobe).collect::<Result<_, _>>()?,
         suites: Suite::ALL
             .iter()
             .map(|suite| Named { name: suite.name(), summary: suite.statement() })
             .collect(),
-        specimens: catalogue()?.iter().map(|specimen| specimen.name()).collect(),
     };
     let text = match options.format {
         Format::Json => serde_json::to_string_pretty(&lists)? + "\n",
-        Format::Full => {
-            let mut text = String::new();
-            for (title, entries) in [("Lobes", &lists.lobes), ("Suites", &lists.suites)] {
-                writeln!(text, "{title}")?;
-                for Named { name, summary } in entries {
-                    writeln!(text, "  {name:<24}{summary}")?;
-                }
-                text.push('\n');
-            }
-            writeln!(text, "Specimens (gonio verify NAME… takes a name or the beginning of one)")?;
-            for name in &lists.specimens {
-                writeln!(text, "  {name}")?;
-            }
-            text
-        }
+        Format::Full => full(&lists)?,
     };
     print(&text);
     Ok(ExitCode::SUCCESS)
+}
+
+fn full(lists: &Lists) -> Result<String, std::fmt::Error> {
+    let mut text = String::from("Suites\n");
+    for Named { name, summary } in &lists.suites {
+        writeln!(text, "  {name:<13}{summary}")?;
+    }
+    writeln!(text, "\nLobes and their specimens; gonio verify NAME… takes any name or the beginning of one")?;
+    for Lobe { name, summary, specimens } in &lists.lobes {
+        writeln!(text, "\n{name}: {summary}")?;
+        for specimen in specimens {
+            writeln!(text, "  {specimen}")?;
+        }
+    }
+    Ok(text)
 }

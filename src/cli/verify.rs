@@ -4,16 +4,17 @@ use std::fmt::Write as _;
 use std::process::ExitCode;
 
 use bxdf_tests::{FAMILY_ERROR_RATE, Outcome, Plan, Specimen, Suite, Verdict};
-use gonio::ior::nearest;
+use gonio::lobe::LobeKind;
+use gonio::parameter::did_you_mean;
 use gonio::report::verdicts_json;
-use gonio::specimen::{catalogue, verify};
+use gonio::specimen::{specimens_of, verify};
 
 use super::progress::Progress;
 use super::{Failure, Format, General, Judgement, Run, print};
 
 #[derive(clap::Args)]
 pub(crate) struct Options {
-    /// Names of specimens, or beginnings of names; all unless given
+    /// Lobes, specimens, or beginnings of their names; all unless given
     names: Vec<String>,
     #[command(flatten)]
     run: Run,
@@ -25,7 +26,7 @@ pub(crate) struct Options {
 }
 
 pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Failure> {
-    let specimens = select(catalogue()?, &options.names)?;
+    let specimens = select(&options.names)?;
     let mut plan = Plan::new(options.run.seed, specimens.iter().map(|specimen| &**specimen));
     plan.samples = options.run.samples;
     if options.format == Format::Full {
@@ -41,37 +42,45 @@ pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Fail
     Ok(options.judgement.exit_code(&verdicts))
 }
 
-/// The specimens whose name begins with one of the given names; a name that fits none is an error.
-fn select(specimens: Vec<Box<dyn Specimen>>, names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure> {
-    let fits = |specimen: &dyn Specimen, name: &str| {
-        let full = specimen.name();
-        full.strip_prefix(name)
-            .is_some_and(|rest| rest.is_empty() || name.ends_with('/') || rest.starts_with('/'))
-            || (name.contains('/') && full.starts_with(name))
-    };
-    for name in names {
-        if !specimens.iter().any(|specimen| fits(&**specimen, name)) {
-            let mut families: Vec<String> = Vec::new();
-            for specimen in &specimens {
-                let full = specimen.name();
-                let family = full.split('/').next().unwrap_or_default().to_owned();
-                if !families.contains(&family) {
-                    families.push(family);
-                }
+/// The specimens that one of the names means; a name that means none is an error.
+fn select(names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure> {
+    let mut known: Vec<String> = Vec::new();
+    let mut used = vec![false; names.len()];
+    let mut selected = Vec::new();
+    for &kind in LobeKind::ALL {
+        known.push(kind.name().to_owned());
+        for specimen in specimens_of(kind)? {
+            let full = specimen.name();
+            let mut wanted = names.is_empty();
+            for (name, used) in names.iter().zip(&mut used) {
+                let fits = name == kind.name() || full.starts_with(name.as_str());
+                *used |= fits;
+                wanted |= fits;
             }
-            let known: Vec<String> = specimens.iter().map(|specimen| specimen.name()).collect();
-            let near = nearest(name, families.iter().chain(&known).map(String::as_str));
-            let hint =
-                if near.is_empty() { String::new() } else { format!("; did you mean {}?", near.join(", ")) };
-            return Err(format!(
-                "no specimen is named `{name}`{hint}\nfamilies: {}; `gonio list` shows all specimens",
-                families.join(", ")
-            )
-            .into());
+            let family = full.split('/').next().unwrap_or_default().to_owned();
+            if !known.contains(&family) {
+                known.push(family);
+            }
+            known.push(full);
+            if wanted {
+                selected.push(specimen);
+            }
         }
     }
-    let wanted = |specimen: &dyn Specimen| names.is_empty() || names.iter().any(|name| fits(specimen, name));
-    Ok(specimens.into_iter().filter(|specimen| wanted(&**specimen)).collect())
+    match names.iter().zip(used).find(|&(_, used)| !used) {
+        None => Ok(selected),
+        Some((name, _)) => {
+            // Whoever names no case is told of no case.
+            let is_alike = |known: &&str| name.contains('/') == known.contains('/');
+            let hint = did_you_mean(name, known.iter().map(String::as_str).filter(is_alike));
+            known.retain(|name| !name.contains('/'));
+            let known = known.join(", ");
+            Err(format!(
+                "no lobe or specimen is named `{name}`{hint}\nknown: {known}; `gonio list` shows more"
+            )
+            .into())
+        }
+    }
 }
 
 fn full(
