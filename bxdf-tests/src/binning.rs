@@ -6,7 +6,7 @@
 //! few of them; a lobe of α = 1e-3 thus gets as many cells as one of α = 1. The pilot samples are not used
 //! again, so the cells do not depend on the samples that are counted in them.
 
-use crate::quadrature::Rectangle;
+use crate::quadrature::{Rectangle, Region};
 use crate::specimen::Direction;
 use core::f64::consts::PI;
 
@@ -15,6 +15,13 @@ use core::f64::consts::PI;
 pub(crate) struct Point {
     pub(crate) hemisphere: usize,
     pub(crate) at: [f64; 2],
+}
+
+/// A pilot sample, with the density of the specimen there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pilot {
+    pub(crate) point: Point,
+    pub(crate) density: f64,
 }
 
 /// The equal-area chart of directions for one `wo`.
@@ -72,8 +79,8 @@ const COARSE_DEPTHS: [usize; RESOLUTIONS - 1] = [4, 6];
 #[derive(Clone, Debug)]
 pub(crate) struct Cell {
     pub(crate) hemisphere: usize,
-    /// Rectangles that tile the cell and follow the density inside it, for integration.
-    pub(crate) pieces: Vec<Rectangle>,
+    /// Regions that tile the cell and follow the density inside it, for integration.
+    pub(crate) pieces: Vec<Region>,
     /// The group that the cell belongs to, per resolution from coarse to fine.
     pub(crate) groups: [usize; RESOLUTIONS],
 }
@@ -99,11 +106,11 @@ impl Partition {
     /// Cells in which no fewer than `smallest` of the pilot points lie. A cell is not halved where a half would
     /// be narrower than `resolution` \[rad\], below which a specimen cannot resolve directions; the pieces that
     /// it is integrated over still are.
-    pub(crate) fn new(chart: Chart, mut pilot: Vec<Point>, smallest: usize, resolution: f64) -> Self {
+    pub(crate) fn new(chart: Chart, mut pilot: Vec<Pilot>, smallest: usize, resolution: f64) -> Self {
         let mut partition =
             Self { chart, cells: Vec::new(), groups: [0; RESOLUTIONS], nodes: Vec::new(), roots: [0; 2] };
-        pilot.sort_by_key(|point| point.hemisphere);
-        let upper = pilot.partition_point(|point| point.hemisphere == 0);
+        pilot.sort_by_key(|pilot| pilot.point.hemisphere);
+        let upper = pilot.partition_point(|pilot| pilot.point.hemisphere == 0);
         let (above, below) = pilot.split_at_mut(upper);
         let whole = Rectangle { low: [0.0, -PI], high: [1.0, PI] };
         for (hemisphere, points) in [above, below].into_iter().enumerate() {
@@ -137,7 +144,7 @@ struct Growth<'a> {
 impl Growth<'_> {
     fn grow(
         &mut self,
-        points: &mut [Point],
+        points: &mut [Pilot],
         rectangle: Rectangle,
         depth: usize,
         mut groups: [Option<usize>; RESOLUTIONS],
@@ -165,9 +172,10 @@ impl Growth<'_> {
     }
 
     /// Cuts a cell further, as if directions could be resolved without limit.
-    fn cut(&self, points: &mut [Point], rectangle: Rectangle, depth: usize, pieces: &mut Vec<Rectangle>) {
+    fn cut(&self, points: &mut [Pilot], rectangle: Rectangle, depth: usize, pieces: &mut Vec<Region>) {
         let Some((axis, at)) = self.halving(points, rectangle, depth, 0.0) else {
-            pieces.extend(graded(rectangle, around(points)));
+            let witnesses = points.iter().map(|pilot| (pilot.point.at, pilot.density)).collect();
+            pieces.extend(graded(Region::new(rectangle, witnesses), around(points)));
             return;
         };
         let (lower, upper) = halves(points, axis, at);
@@ -186,7 +194,7 @@ impl Growth<'_> {
     /// turns.
     fn halving(
         &self,
-        points: &mut [Point],
+        points: &mut [Pilot],
         rectangle: Rectangle,
         depth: usize,
         resolution: f64,
@@ -195,10 +203,9 @@ impl Growth<'_> {
             return None;
         }
         [depth % 2, (depth + 1) % 2].into_iter().find_map(|axis| {
-            points.sort_by(|a, b| a.at[axis].total_cmp(&b.at[axis]));
-            let [v, _] = points[points.len() / 2].at;
-            let at = points[points.len() / 2].at[axis];
-            let lower = points.partition_point(|point| point.at[axis] < at);
+            let [v, _] = median(points, axis).point.at;
+            let at = median(points, axis).point.at[axis];
+            let lower = points.iter().filter(|pilot| pilot.point.at[axis] < at).count();
             let sin_theta = (v * (2.0 - v)).max(0.0).sqrt();
             // An angle along the meridian is dv / sin θ, along the parallel sin θ dφ.
             let narrowest = if axis == 0 { resolution * sin_theta } else { resolution / sin_theta };
@@ -208,40 +215,42 @@ impl Growth<'_> {
     }
 }
 
+/// The point in the middle along one axis; there is at least one.
+fn median(points: &mut [Pilot], axis: usize) -> Pilot {
+    let middle = points.len() / 2;
+    let order = |a: &Pilot, b: &Pilot| a.point.at[axis].total_cmp(&b.point.at[axis]);
+    *points.select_nth_unstable_by(middle, order).1
+}
+
 /// The points on either side of a cut.
-fn halves(points: &mut [Point], axis: usize, at: f64) -> (&mut [Point], &mut [Point]) {
-    points.sort_by(|a, b| a.at[axis].total_cmp(&b.at[axis]));
-    let middle = points.partition_point(|point| point.at[axis] < at);
+fn halves(points: &mut [Pilot], axis: usize, at: f64) -> (&mut [Pilot], &mut [Pilot]) {
+    points.sort_unstable_by_key(|pilot| pilot.point.at[axis] >= at);
+    let middle = points.partition_point(|pilot| pilot.point.at[axis] < at);
     points.split_at_mut(middle)
 }
 
 /// The rectangle that holds the middle four fifths of the points along each axis: one stray point in the tail
 /// of a lobe must not stretch it.
-fn around(points: &mut [Point]) -> Option<Rectangle> {
+fn around(points: &mut [Pilot]) -> Option<Rectangle> {
     let last = points.len().checked_sub(1)?;
     let [first, second] = [0, 1].map(|axis| {
-        points.sort_by(|a, b| a.at[axis].total_cmp(&b.at[axis]));
-        [points[last / 10].at[axis], points[last - last / 10].at[axis]]
+        points.sort_by(|a, b| a.point.at[axis].total_cmp(&b.point.at[axis]));
+        [points[last / 10].point.at[axis], points[last - last / 10].point.at[axis]]
     });
     Some(Rectangle { low: [first[0], second[0]], high: [first[1], second[1]] })
 }
 
-/// A rectangle cut into pieces that grow by a factor away from the rectangle that holds most of its points.
+/// A region cut into pieces that grow by a factor away from the rectangle that holds most of its points.
 ///
 /// An outer rectangle reaches from its pilot points to the end of the chart. For a lobe of α = 1e-3 that is a
 /// million times their extent, and a rule applied to the whole would see nothing of the lobe.
-fn graded(rectangle: Rectangle, around: Option<Rectangle>) -> Vec<Rectangle> {
+fn graded(region: Region, around: Option<Rectangle>) -> Vec<Region> {
     let [firsts, seconds] = [0, 1].map(|axis| {
         let core = around.map(|around| [around.low[axis], around.high[axis]]);
-        cuts([rectangle.low[axis], rectangle.high[axis]], core)
+        cuts([region.rectangle.low[axis], region.rectangle.high[axis]], core)
     });
-    let pairs = |cuts: Vec<f64>| cuts.windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>();
-    let (firsts, seconds) = (pairs(firsts), pairs(seconds));
-    let piece = |first: [f64; 2], second: [f64; 2]| Rectangle {
-        low: [first[0], second[0]],
-        high: [first[1], second[1]],
-    };
-    firsts.iter().flat_map(|&first| seconds.iter().map(move |&second| piece(first, second))).collect()
+    let strips = region.cut(0, &firsts);
+    strips.into_iter().flat_map(|strip| strip.cut(1, &seconds)).collect()
 }
 
 /// Where an interval is cut, ascending, both ends included: ever wider away from `core`.
@@ -291,22 +300,23 @@ mod tests {
     #[test]
     fn cells_tile_the_sphere_and_hold_their_points() {
         let chart = Chart::new([0.6, 0.0, 0.8]);
-        let points: Vec<_> = (0..4096)
+        let pilots: Vec<_> = (0..4096)
             .map(|i| {
                 let t = f64::from(i) / 4096.0;
                 let at = [1e-6 * t, PI * (2.0 * (f64::from(i) * 0.618_033_988_749).fract() - 1.0)];
-                Point { hemisphere: 0, at }
+                Pilot { point: Point { hemisphere: 0, at }, density: 1.0 }
             })
             .collect();
-        let partition = Partition::new(chart, points.clone(), 16, 0.0);
-        let pieces = partition.cells.iter().flat_map(|cell| &cell.pieces);
-        let area: f64 = pieces.map(|p| (p.high[0] - p.low[0]) * (p.high[1] - p.low[1])).sum();
+        let partition = Partition::new(chart, pilots.clone(), 16, 0.0);
+        let pieces = || partition.cells.iter().flat_map(|cell| &cell.pieces);
+        let area: f64 = pieces().map(|piece| piece.rectangle.area()).sum();
+        assert_eq!(pieces().map(|piece| piece.witnesses.len()).sum::<usize>(), 4096);
         assert!((area - 4.0 * PI).abs() < 1e-11, "{area}");
         assert_eq!(partition.cells.len(), 256 + 1);
         assert_eq!(partition.groups, [17, 65, 257]);
         let mut counts = vec![0; partition.cells.len()];
         let mut directions = [[0.0; 3]];
-        for point in points {
+        for Pilot { point, .. } in pilots {
             chart.directions(0, &[point.at[0]], &[point.at[1]], &mut directions);
             counts[partition.cell(directions[0])] += 1;
         }

@@ -65,9 +65,9 @@ pub struct Claims {
     pub reciprocal: bool,
     /// The energy that it returns, if it promises anything about that.
     pub energy: Option<Energy>,
-    /// Exact Fresnel reflectance of this boundary.
+    /// Exact Fresnel reflectance of this boundary: carried by deltas, or with `microfacet` by every facet.
     pub boundary: Option<Boundary>,
-    /// Exposes a micro surface through [`crate::Specimen::microsurface`].
+    /// Single scattering at the micro surface that [`crate::Specimen::microsurface`] exposes.
     pub microfacet: bool,
     /// Suites that are expected to find a violation.
     pub waivers: Vec<Waiver>,

@@ -3,6 +3,7 @@
 use crate::claims::Claims;
 use crate::specimen::{Direction, Specimen, Transport};
 use crate::verdict::Witness;
+use rand::RngExt;
 use rand_pcg::Pcg64;
 
 /// The probability that a run over correct specimens reports any violation at all.
@@ -51,9 +52,27 @@ impl Plan {
     pub fn new<'a>(run_seed: u64, specimens: impl IntoIterator<Item = &'a dyn Specimen>) -> Self {
         let family = specimens
             .into_iter()
-            .map(|specimen| CHECKS_PER_SETTING * settings(&specimen.claims()).len())
+            .map(|specimen| CHECKS_PER_SETTING * number_of_settings(&specimen.claims()))
             .sum::<usize>();
         Self { run_seed, samples: Self::DEFAULT_SAMPLES, family: family.max(1) }
+    }
+
+    /// Every setting that a specimen with these claims is examined at: a grid of directions with the edges of the
+    /// domain, and on each side one direction that only the run seed knows.
+    pub(crate) fn settings(&self, specimen: &str, claims: &Claims) -> Vec<Setting> {
+        let mut settings = Vec::new();
+        for &from_above in sides(claims) {
+            let side = if from_above { 1.0 } else { -1.0 };
+            let mut generator = self.named_generator(&format!("{specimen} | direction {side}"));
+            let anywhere =
+                [90.0 * generator.random::<f64>(), core::f64::consts::TAU * generator.random::<f64>()];
+            for [polar_deg, azimuth] in grid(claims).into_iter().chain([anywhere]) {
+                let [x, y, z] = direction(polar_deg, azimuth);
+                let wo = [x, y, side * z];
+                settings.extend(transports(claims).iter().map(|&transport| Setting { wo, transport }));
+            }
+        }
+        settings
     }
 
     /// ln of the level of each statistical check (Bonferroni over the family).
@@ -108,23 +127,28 @@ pub(crate) fn direction(polar_deg: f64, azimuth: f64) -> Direction {
     [sin_theta * cos_phi, sin_theta * sin_phi, cos_theta]
 }
 
-/// Every setting that a specimen with these claims is examined at.
-pub(crate) fn settings(claims: &Claims) -> Vec<Setting> {
-    let transports: &[Transport] =
-        if claims.transmits { &[Transport::Radiance, Transport::Importance] } else { &[Transport::Radiance] };
-    let sides: &[bool] = if claims.two_sided { &[true, false] } else { &[true] };
-    let mut settings = Vec::new();
-    for &from_above in sides {
-        for (i, polar_deg) in POLAR_DEG.into_iter().enumerate() {
-            // At the pole every azimuth is the same direction.
-            let one = claims.isotropic || polar_deg == 0.0;
-            let azimuths = if one { &AZIMUTHS[i % 4..][..1] } else { &AZIMUTHS };
-            for &azimuth in azimuths {
-                let [x, y, z] = direction(polar_deg, azimuth);
-                let wo = [x, y, if from_above { z } else { -z }];
-                settings.extend(transports.iter().map(|&transport| Setting { wo, transport }));
-            }
-        }
-    }
-    settings
+/// Polar angle \[deg\] and azimuth \[rad\] of the fixed directions.
+fn grid(claims: &Claims) -> Vec<[f64; 2]> {
+    let azimuths = |i: usize| {
+        // At the pole every azimuth is the same direction.
+        let one = claims.isotropic || POLAR_DEG[i] == 0.0;
+        if one { &AZIMUTHS[i % AZIMUTHS.len()..][..1] } else { &AZIMUTHS[..] }
+    };
+    (0..POLAR_DEG.len())
+        .flat_map(|i| azimuths(i).iter().map(move |&azimuth| [POLAR_DEG[i], azimuth]))
+        .collect()
+}
+
+/// The sides that light arrives from: from above?
+fn sides(claims: &Claims) -> &'static [bool] {
+    if claims.two_sided { &[true, false] } else { &[true] }
+}
+
+/// The transport modes in which samples may differ.
+pub(crate) fn transports(claims: &Claims) -> &'static [Transport] {
+    if claims.transmits { &[Transport::Radiance, Transport::Importance] } else { &[Transport::Radiance] }
+}
+
+fn number_of_settings(claims: &Claims) -> usize {
+    sides(claims).len() * (grid(claims).len() + 1) * transports(claims).len()
 }

@@ -18,8 +18,8 @@ impl Rectangle {
         [lower, upper]
     }
 
-    fn halves(self, axis: usize) -> [Self; 2] {
-        self.split(axis, 0.5 * (self.low[axis] + self.high[axis]))
+    pub(crate) fn area(self) -> f64 {
+        (self.high[0] - self.low[0]) * (self.high[1] - self.low[1])
     }
 
     /// `n` × `m` equal parts.
@@ -33,6 +33,76 @@ impl Rectangle {
                 Self { low: [at(0, i, n), at(1, j, m)], high: [at(0, i + 1, n), at(1, j + 1, m)] }
             })
             .collect()
+    }
+}
+
+/// A rectangle with points in it where the first of the integrands is known.
+///
+/// A rule that steps over a narrow peak agrees with a coarser rule that does too, and both say 0. Points
+/// from elsewhere, such as samples of the density that is integrated, know better: a region is refined until its
+/// nodes have seen what they have.
+#[derive(Clone, Debug)]
+pub(crate) struct Region {
+    pub(crate) rectangle: Rectangle,
+    /// Points with the value there.
+    pub(crate) witnesses: Vec<([f64; 2], f64)>,
+    /// How often it was cut.
+    halvings: usize,
+}
+
+impl From<Rectangle> for Region {
+    fn from(rectangle: Rectangle) -> Self {
+        Self::new(rectangle, Vec::new())
+    }
+}
+
+impl Region {
+    pub(crate) fn new(rectangle: Rectangle, witnesses: Vec<([f64; 2], f64)>) -> Self {
+        Self { rectangle, witnesses, halvings: 0 }
+    }
+
+    /// The parts between ascending cuts along one axis, the ends of the rectangle included.
+    pub(crate) fn cut(mut self, axis: usize, cuts: &[f64]) -> Vec<Self> {
+        let mut parts = Vec::with_capacity(cuts.len());
+        for &at in cuts.iter().skip(1).take(cuts.len().saturating_sub(2)) {
+            let [lower, upper] = self.split(axis, at);
+            parts.push(lower);
+            self = upper;
+        }
+        parts.push(self);
+        parts
+    }
+
+    fn split(self, axis: usize, at: f64) -> [Self; 2] {
+        let [lower, upper] = self.rectangle.split(axis, at);
+        let (below, above) = self.witnesses.into_iter().partition(|(point, _)| point[axis] < at);
+        let halvings = self.halvings + 1;
+        [(lower, below), (upper, above)].map(|(rectangle, witnesses)| Self { rectangle, witnesses, halvings })
+    }
+
+    fn halves(self, axis: usize) -> [Self; 2] {
+        let at = 0.5 * (self.rectangle.low[axis] + self.rectangle.high[axis]);
+        self.split(axis, at)
+    }
+
+    fn highest_witness(&self) -> f64 {
+        self.witnesses.iter().fold(0.0, |highest: f64, &(_, value)| highest.max(value))
+    }
+
+    /// The axis along which a peak is narrow that only witnesses above `seen` know of: the one along which they
+    /// lie closer together. A single witness cannot tell, and the axes take turns.
+    fn axis_of_peak(&self, seen: f64) -> usize {
+        let high = || self.witnesses.iter().filter(|&&(_, value)| value > seen).map(|(point, _)| point);
+        if high().count() < 2 {
+            return self.halvings % 2;
+        }
+        let [first, second] = [0, 1].map(|axis| {
+            let coordinates = || high().map(|point| point[axis]);
+            let spread =
+                coordinates().fold(f64::NEG_INFINITY, f64::max) - coordinates().fold(f64::INFINITY, f64::min);
+            spread / (self.rectangle.high[axis] - self.rectangle.low[axis])
+        });
+        usize::from(second < first)
     }
 }
 
@@ -99,8 +169,11 @@ fn rule() -> [(f64, f64, f64); NODES] {
     })
 }
 
+/// A witness above this many times the highest node has seen something that the nodes have not.
+const OVERLOOKED: f64 = 8.0;
+
 struct Piece<const N: usize> {
-    rectangle: Rectangle,
+    region: Region,
     integral: Integral<N>,
     axis: usize,
 }
@@ -111,15 +184,17 @@ struct Piece<const N: usize> {
 /// `f` receives the 15 coordinates along each axis and fills the 15 × 15 values, the second axis fastest.
 /// The error bound is three times |Kronrod − Gauss|: for smooth integrands that is the error of the *poorer*
 /// rule and far above that of the value; at a kink both rules are equally poor, and three times covers it.
-/// Where the integrand is noise the bound does not shrink.
+/// Where the integrand is noise the bound does not shrink. Where a witness saw far more than any node, the bound
+/// is what the witness saw over the whole rectangle.
 pub(crate) fn integrate<const N: usize>(
-    rectangles: &[Rectangle],
+    regions: &[Region],
     effort: Effort,
     f: &mut dyn FnMut(&[f64; NODES], &[f64; NODES], &mut [[f64; N]]),
 ) -> Integral<N> {
     let rule = rule();
     let mut values = vec![[0.0; N]; NODES * NODES];
-    let mut apply = |rectangle: Rectangle| {
+    let mut apply = |region: Region| {
+        let rectangle = region.rectangle;
         let [centre, half]: [[f64; 2]; 2] = [
             core::array::from_fn(|a| 0.5 * (rectangle.high[a] + rectangle.low[a])),
             core::array::from_fn(|a| 0.5 * (rectangle.high[a] - rectangle.low[a])),
@@ -144,11 +219,18 @@ pub(crate) fn integrate<const N: usize>(
         let difference = |other: &[f64; N]| core::array::from_fn(|n| 3.0 * area * (both[n] - other[n]).abs());
         let along: [[f64; N]; 2] = [difference(&coarse[0]), difference(&coarse[1])];
         let axis = usize::from(worst(&along[1], effort.leading) > worst(&along[0], effort.leading));
-        let integral = Integral { value: both.map(|v| area * v), error: difference(&neither) };
-        Piece { rectangle, integral, axis }
+        let mut integral = Integral { value: both.map(|v| area * v), error: difference(&neither) };
+        let seen = values.iter().fold(0.0, |highest: f64, value| highest.max(value[0]));
+        let witnessed = region.highest_witness();
+        let overlooked = witnessed > OVERLOOKED * seen;
+        if overlooked {
+            integral.error[..effort.leading].fill(witnessed * rectangle.area());
+        }
+        let axis = if overlooked { region.axis_of_peak(OVERLOOKED * seen) } else { axis };
+        Piece { region, integral, axis }
     };
 
-    let mut pieces: Vec<_> = rectangles.iter().map(|&rectangle| apply(rectangle)).collect();
+    let mut pieces: Vec<_> = regions.iter().cloned().map(&mut apply).collect();
     let sum = |pieces: &[Piece<N>]| {
         // Summed anew each time: subtracting what is replaced would leave its rounding behind.
         let mut total = Integral::ZERO;
@@ -158,8 +240,8 @@ pub(crate) fn integrate<const N: usize>(
     let mut total = sum(&pieces);
     while pieces.len() < effort.rectangles && !is_enough(&total, effort) {
         let Some(largest) = largest(&pieces, effort.leading) else { break };
-        let Piece { rectangle, axis, .. } = pieces.swap_remove(largest);
-        pieces.extend(rectangle.halves(axis).map(&mut apply));
+        let Piece { region, axis, .. } = pieces.swap_remove(largest);
+        pieces.extend(region.halves(axis).map(&mut apply));
         total = sum(&pieces);
     }
     total
@@ -187,7 +269,7 @@ mod tests {
     const UNIT: Rectangle = Rectangle { low: [0.0, 0.0], high: [1.0, 1.0] };
 
     fn integral_of(effort: Effort, g: impl Fn(f64, f64) -> f64) -> Integral<1> {
-        integrate(&[UNIT], effort, &mut |xs, ys, values| {
+        integrate(&[Region::from(UNIT)], effort, &mut |xs, ys, values| {
             for (i, x) in xs.iter().enumerate() {
                 for (j, y) in ys.iter().enumerate() {
                     values[i * NODES + j] = [g(*x, *y)];
@@ -216,6 +298,27 @@ mod tests {
         assert!((kink.value[0] - 1.0 / 3.0).abs() <= kink.error[0] && kink.error[0] < 1e-5, "{kink:?}");
         let step = integral_of(Effort { rectangles: 300, ..EFFORT }, |x, y| f64::from(x + 0.1 * y < 0.4));
         assert!((step.value[0] - 0.35).abs() <= step.error[0], "{step:?}");
+    }
+
+    #[test]
+    fn a_witness_leads_to_a_peak_between_the_nodes() {
+        let width = 1e-7;
+        let peak = |x: f64, y: f64| (-((x - 0.3).powi(2) + (y - 0.7).powi(2)) / (width * width)).exp();
+        let exact = core::f64::consts::PI * width * width;
+        let mut integrand = |xs: &[f64; NODES], ys: &[f64; NODES], values: &mut [[f64; 1]]| {
+            for (i, x) in xs.iter().enumerate() {
+                for (j, y) in ys.iter().enumerate() {
+                    values[i * NODES + j] = [peak(*x, *y)];
+                }
+            }
+        };
+        let effort = Effort { absolute: 1e-20, ..EFFORT };
+        let blind = integrate(&[Region::from(UNIT)], effort, &mut integrand);
+        assert_eq!(blind.value[0], 0.0);
+        let witnesses = vec![([0.3, 0.7], peak(0.3, 0.7))];
+        let led = integrate(&[Region::new(UNIT, witnesses)], effort, &mut integrand);
+        assert!((led.value[0] - exact).abs() <= led.error[0], "{led:?} {exact:e}");
+        assert!(led.error[0] < 1e-3 * exact, "{led:?} {exact:e}");
     }
 
     #[test]

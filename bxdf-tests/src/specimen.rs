@@ -54,6 +54,9 @@ pub trait Specimen: Send + Sync {
     /// Density \[sr⁻¹\] with which `sample` draws `wi` given `wo`; 0 where scattering is a delta.
     fn pdf(&self, wo: Direction, wi: Direction, transport: Transport) -> f64;
     /// Draws `wi` from three uniforms in \[0, 1); `None` where no direction comes out.
+    ///
+    /// The first uniform picks among components, deltas included; the others the direction. A specimen may mix
+    /// at most eight deltas with a density.
     fn sample(&self, wo: Direction, uniforms: [f64; 3], transport: Transport) -> Option<Scatter>;
 
     /// [`Self::eval`] for many directions; override it where batches are faster.

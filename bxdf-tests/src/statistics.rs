@@ -102,6 +102,13 @@ pub(crate) fn ln_bernstein_two_sided(difference: f64, deviation: f64, range: f64
     (core::f64::consts::LN_2 - exponent).min(0.0)
 }
 
+/// The difference at which [`ln_bernstein_two_sided`] reaches `ln_level`.
+pub(crate) fn bernstein_reach(ln_level: f64, deviation: f64, range: f64, samples: f64) -> f64 {
+    let exponent = core::f64::consts::LN_2 - ln_level;
+    let linear = range * exponent / (3.0 * samples);
+    linear + (linear * linear + 2.0 * deviation * deviation * exponent / samples).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -139,6 +146,14 @@ mod tests {
         assert_eq!(ln_binomial_two_sided(3, 10, 0.2, 0.4), 0.0);
         assert_eq!(ln_binomial_two_sided(1, 10, 0.0, 0.0), f64::NEG_INFINITY);
         assert_eq!(ln_binomial_two_sided(0, 10, 0.0, 0.0), 0.0);
+    }
+
+    #[test]
+    fn bernstein_reaches_the_level_where_it_says() {
+        for (deviation, range) in [(0.5, 1.0), (0.0, 1.0), (1e-3, 40.0)] {
+            let reach = bernstein_reach(-23.0, deviation, range, 1e5);
+            assert!((ln_bernstein_two_sided(reach, deviation, range, 1e5) + 23.0).abs() < 1e-9);
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What several suites need to know about one setting, measured once: where the pdf puts its mass (by
 //! cubature) and where the sampler puts its samples (by counting).
 
-use crate::binning::{Chart, Partition, Point};
+use crate::binning::{Chart, Partition, Pilot};
 use crate::plan::{Plan, Setting};
 use crate::quadrature::{Effort, Integral, NODES, integrate};
 use crate::specimen::{Direction, Measure, Scatter, Specimen, Transport};
@@ -52,6 +52,7 @@ pub(crate) struct Tally {
     pub(crate) atoms: Vec<u64>,
     /// Sum of weights per channel, in the measure of power where the setting carries importance.
     pub(crate) weight: [f64; 3],
+    pub(crate) largest_weight: f64,
     /// The first sample that cannot be counted: not a number, or one delta too many.
     pub(crate) unusable: Option<Scatter>,
 }
@@ -64,14 +65,14 @@ pub(crate) fn uniforms(generator: &mut Pcg64, precision: Precision) -> [f64; 3] 
     })
 }
 
-/// Draws `samples` samples in batches.
+/// Draws `samples` samples in batches and hands each on with its uniforms.
 pub(crate) fn draw(
     specimen: &dyn Specimen,
     setting: &Setting,
     precision: Precision,
     generator: &mut Pcg64,
     samples: usize,
-    mut consume: impl FnMut(Option<Scatter>),
+    mut consume: impl FnMut([f64; 3], Option<Scatter>),
 ) {
     let mut numbers = [[0.0; 3]; BATCH];
     let mut scatters = [None; BATCH];
@@ -80,7 +81,7 @@ pub(crate) fn draw(
         let batch = left.min(BATCH);
         numbers[..batch].fill_with(|| uniforms(generator, precision));
         specimen.sample_many(setting.wo, &numbers[..batch], setting.transport, &mut scatters[..batch]);
-        scatters[..batch].iter().for_each(|&scatter| consume(scatter));
+        numbers[..batch].iter().zip(&scatters).for_each(|(&numbers, &scatter)| consume(numbers, scatter));
         left -= batch;
     }
 }
@@ -121,10 +122,10 @@ impl Survey {
         let precision = claims.precision;
         let chart = Chart::new(setting.wo);
         let mut generator = plan.generator(&specimen.name(), setting, "pilot");
-        let mut points: Vec<Point> = Vec::with_capacity(PILOT_SAMPLES);
+        let mut directions: Vec<Direction> = Vec::with_capacity(PILOT_SAMPLES);
         let mut atoms: Vec<Atom> = Vec::new();
-        draw(specimen, setting, precision, &mut generator, PILOT_SAMPLES, |scatter| match scatter {
-            Some(Scatter { wi, density: Measure::SolidAngle(_), .. }) => points.push(chart.point(wi)),
+        draw(specimen, setting, precision, &mut generator, PILOT_SAMPLES, |_, scatter| match scatter {
+            Some(Scatter { wi, density: Measure::SolidAngle(_), .. }) => directions.push(wi),
             Some(scatter @ Scatter { density: Measure::Discrete(probability), .. }) => {
                 find_or_add(&mut atoms, Atom { scatter, probability }, precision);
             }
@@ -138,8 +139,15 @@ impl Survey {
                 find_or_add(&mut atoms, Atom { scatter, probability }, precision);
             }
         }
-        points.retain(|point| point.at.iter().all(|coordinate| coordinate.is_finite()));
-        let partition = Partition::new(chart, points, PILOT_PER_CELL, 64.0 * precision.epsilon());
+        directions.retain(|direction| direction.iter().all(|component| component.is_finite()));
+        let mut densities = vec![0.0; directions.len()];
+        specimen.pdf_many(setting.wo, &directions, setting.transport, &mut densities);
+        let pilots = directions
+            .iter()
+            .zip(densities)
+            .map(|(&direction, density)| Pilot { point: chart.point(direction), density })
+            .collect();
+        let partition = Partition::new(chart, pilots, PILOT_PER_CELL, 64.0 * precision.epsilon());
         let mut survey = Self {
             partition,
             largest_weight: atoms.iter().flat_map(|atom| atom.scatter.weight).fold(0.0, f64::max),
@@ -226,15 +234,17 @@ impl Survey {
             cells: vec![0; self.partition.cells.len()],
             atoms: vec![0; self.atoms.len()],
             weight: [0.0; 3],
+            largest_weight: 0.0,
             unusable: None,
         };
-        draw(specimen, setting, claims.precision, generator, samples, |scatter| {
+        draw(specimen, setting, claims.precision, generator, samples, |_, scatter| {
             let Some(scatter) = scatter else {
                 tally.none += 1;
                 return;
             };
             for (sum, weight) in tally.weight.iter_mut().zip(scatter.weight) {
                 *sum += weight;
+                tally.largest_weight = tally.largest_weight.max(weight);
             }
             if !scatter.wi.iter().chain(&scatter.weight).all(|x| x.is_finite()) {
                 tally.unusable.get_or_insert(scatter);

@@ -135,6 +135,8 @@ impl Microsurface for Mutant {
         let pdf = self.surface().visible_pdf(w, m);
         match &self.bug {
             Some(Bug::Visible(bug)) => bug(pdf, w, m),
+            // The bug is in a term, and what is made of the terms inherits it.
+            Some(Bug::Normals(_) | Bug::Masking(_)) => self.d(m) * dot(w, m).max(0.0) * self.g1(w) / w[2],
             _ => pdf,
         }
     }
@@ -293,12 +295,34 @@ mutants! {
     reported_density_is_uniform: Weight, "reported density", white_paper,
         Bug::Scatter(|scatter, _, _| Scatter { density: Measure::SolidAngle(0.5 * FRAC_1_PI), ..scatter });
     delta_has_a_density: Weight, "at a delta", gold,
+        Bug::Pdf(|_, wo, wi| f64::from(dot([-wo[0], -wo[1], wo[2]], wi) > 1.0 - 1e-15));
+    delta_has_a_density_everywhere: Normalised, "mass of the pdf and the deltas", gold,
         Bug::Pdf(|_, _, _| 1.0);
+    importance_has_another_weight: Weight, "weight · pdf", white_paper,
+        Bug::Scatter(|scatter, _, transport| {
+            weighted(scatter, |weight| if transport == Transport::Importance { 5.0 * weight } else { weight })
+        });
+    paper_leaks: Weight, "on the other side", white_paper,
+        Bug::Sample(|paper, wo, uniforms, transport| {
+            let leaks = (0.6..0.7).contains(&uniforms[0]);
+            let scatter = paper.sample(wo, uniforms, transport)?;
+            Some(if leaks { Scatter { wi: scatter.wi.map(|x| -x), ..scatter } } else { scatter })
+        });
 
     value_prefers_one_direction: Reciprocal, "f(wo, wi) against f(wi, wo)", rough_gold,
         Bug::Eval(|f, wo, _| f * (1.0 + 0.1 * wo[2]));
     radiance_keeps_its_value_in_glass: Reciprocal, "power of a delta", glass,
         Bug::Scatter(|scatter, _, _| weighted(scatter, |_| 1.0));
+
+    radiance_is_halved_in_glass: Reciprocal, "power of a delta", glass,
+        Bug::Scatter(|scatter, _, transport| {
+            weighted(scatter, |weight| if transport == Transport::Radiance { 0.5 * weight } else { weight })
+        });
+    mirror_turns_what_it_reflects: Reciprocal, "way back", gold,
+        Bug::Scatter(|scatter @ Scatter { wi: [x, y, z], .. }, _, _| Scatter { wi: [-y, x, z], ..scatter });
+
+    value_knows_the_azimuth: Isotropic, "f [1/sr] after a turn", white_paper,
+        Bug::Eval(|f, _, wi| f * (1.0 + 0.01 * wi[0]));
 
     albedo_exceeds_one: Energy, "directional albedo", white_paper,
         Bug::Eval(|f, _, _| 1.02 * f);
@@ -316,9 +340,16 @@ mutants! {
     refraction_into_the_wrong_medium: Fresnel, "Snell", glass,
         Bug::Scatter(bent_the_wrong_way);
 
-    normals_do_not_cover_the_surface: Microfacet, "∫ D", rough_mirror,
+    conductor_ends_at_80_degrees: Fresnel, "error of the reflectance", gold,
+        Bug::Sample(|gold, wo, uniforms, transport| {
+            if wo[2] > 0.17 { gold.sample(wo, uniforms, transport) } else { None }
+        });
+
+    value_has_another_fresnel_term: Microfacet, "F D G2", rough_gold,
+        Bug::Eval(|f, wo, _| f * (1.0 - 0.1 * wo[2]));
+    normals_do_not_cover_the_surface: Microfacet, "∫", rough_mirror,
         Bug::Normals(|d| 1.001 * d);
-    masking_of_another_distribution: Microfacet, "weak white furnace", rough_mirror,
+    masking_of_another_distribution: Microfacet, "∫", rough_mirror,
         Bug::Masking(beckmann(0.3));
     visible_normals_that_face_away: Microfacet, "density of visible normals", rough_mirror,
         Bug::Visible(|pdf, w, m| if pdf > 0.0 { pdf } else { unclamped(&ggx(0.3), w, m) });

@@ -28,18 +28,20 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     let level = examination.plan.ln_level();
     for Surveyed { setting, survey, tally } in examination.surveys() {
         let witness = setting.witness();
-        if let Some(scatter) = &tally.unusable {
-            let what = "a sample that is not a direction with a weight";
-            ledger.record(Check::new(what, f64::NAN, 0.0, witness.with_wi(scatter.wi)));
-        }
         let first = tails(examination, survey, tally);
         let grey = first.iter().any(|tail| tail.ln_p < LN_GREY);
+        let mut unusable = tally.unusable;
         let second = grey.then(|| {
             let mut survey = survey.clone();
             let samples = SECOND_STAGE * examination.plan.samples;
             let again = examination.tally(&mut survey, setting, "stage 2", samples);
+            unusable = unusable.or(again.unusable);
             tails(examination, &survey, &again)
         });
+        if let Some(scatter) = unusable {
+            let what = "a sample that is not a direction with a weight";
+            ledger.record(Check::new(what, f64::NAN, 0.0, witness.with_wi(scatter.wi)));
+        }
         for (i, first) in first.iter().enumerate() {
             // A violation takes p₁ < 1e-4 and p₂ < level / 1e-4 on independent samples: together the level.
             let (tail, ln_p) = match &second {

@@ -3,11 +3,16 @@
 use super::{Examination, Surveyed};
 use crate::claims::Energy;
 use crate::specimen::Transport;
-use crate::statistics::ln_bernstein_two_sided;
+use crate::statistics::{bernstein_reach, ln_bernstein_two_sided};
 use crate::verdict::{Check, Ledger};
+
+/// A difference of the two estimates that must not go unnoticed, as a fraction of the albedo. Weights without bound
+/// hide more than that, and the verdict says so.
+const WORST_REACH: f64 = 0.1;
 
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     let claims = &examination.claims;
+    let level = examination.plan.ln_level();
     // Sums of rounded terms; the error of the cubature comes on top.
     let rounding = 64.0 * claims.precision.epsilon();
     for Surveyed { setting, survey, tally } in examination.surveys() {
@@ -30,13 +35,18 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
             let difference = ((mean - albedo).abs() - error).max(0.0);
             let second_moment = survey.integral.value[4 + channel] + survey.atom_moment(channel, 2);
             let deviation = (second_moment - albedo * albedo).max(0.0).sqrt();
+            // The largest weight found by either way: more can only make the bound wider.
+            let range = survey.largest_weight.max(tally.largest_weight);
             let ln_p = if mean.is_nan() || albedo.is_nan() {
                 f64::NAN
             } else {
-                ln_bernstein_two_sided(difference, deviation, survey.largest_weight, samples)
+                ln_bernstein_two_sided(difference, deviation, range, samples)
             };
             let what = "-log10 p that the mean weight is the integral of f cos";
-            ledger.record(Check::p_value(what, ln_p, examination.plan.ln_level(), tally.samples, witness));
+            let mut check = Check::p_value(what, ln_p, level, tally.samples, witness);
+            check.inconclusive =
+                bernstein_reach(level, deviation, range, samples) > WORST_REACH * albedo.max(0.1);
+            ledger.record(check);
         }
     }
 }

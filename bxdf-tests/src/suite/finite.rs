@@ -39,19 +39,23 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     let epsilon = claims.precision.epsilon();
     let edges = edge_directions();
     let uniforms = edge_uniforms(claims.precision);
-    let transports: &[Transport] =
-        if claims.transmits { &[Transport::Radiance, Transport::Importance] } else { &[Transport::Radiance] };
-    for &transport in transports {
+    for transport in [Transport::Radiance, Transport::Importance] {
         for &wo in &edges {
             let witness = Witness::at(wo, transport);
             let special = [wo, wo.map(|x| -x), [-wo[0], -wo[1], wo[2]]];
             for &wi in edges.iter().chain(&special) {
                 let witness = witness.with_wi(wi);
-                for f in specimen.eval(wo, wi, transport) {
+                let values = specimen.eval(wo, wi, transport);
+                for f in values {
                     ledger.record(not_negative("f [1/sr] is finite and not negative", f, witness));
                 }
                 let pdf = specimen.pdf(wo, wi, transport);
                 ledger.record(not_negative("pdf [1/sr] is finite and not negative", pdf, witness));
+                if !claims.transmits && wo[2] * wi[2] < 0.0 {
+                    let through = values.into_iter().fold(pdf, f64::max);
+                    let what = "f or pdf [1/sr] on the other side, which is not claimed";
+                    ledger.record(Check::new(what, through, 0.0, witness));
+                }
             }
             for &uc in &uniforms {
                 for &u0 in &uniforms {
@@ -77,7 +81,7 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
                             16.0 * epsilon,
                             witness,
                         ));
-                        let crossed = scatter.wi[2] * wo[2].signum() < 0.0;
+                        let crossed = scatter.wi[2] * wo[2] < 0.0;
                         ledger.record(Check::new(
                             "a sample on the other side, which is not claimed",
                             f64::from(crossed && !claims.transmits),

@@ -1,11 +1,13 @@
 //! Masking follows from the distribution of normals. All integrals run over ln tan θ, on which every
 //! roughness has the same width.
 
-use super::Examination;
+use super::fresnel::{reference, relative_index};
+use super::{Examination, normalized};
 use crate::Precision;
 use crate::plan::{AZIMUTHS, POLAR_DEG, direction};
-use crate::quadrature::{Effort, Integral, NODES, Rectangle, integrate};
+use crate::quadrature::{Effort, Integral, NODES, Rectangle, Region, integrate};
 use crate::specimen::{Direction, Microsurface, Transport};
+use crate::survey::draw;
 use crate::verdict::{Check, Ledger, Witness};
 use core::f64::consts::PI;
 
@@ -29,16 +31,9 @@ fn cuts() -> Vec<f64> {
 
 /// ∫ g(m) dω over the upper hemisphere, with an error bound; azimuths are counted from `azimuth`.
 fn integral(effort: Effort, azimuth: f64, g: &dyn Fn(Direction) -> f64) -> Integral<1> {
-    let strips = Rectangle { low: [-LOG_TANGENT, 0.0], high: [LOG_TANGENT, 0.0] }.grid(12, 1);
-    let pieces: Vec<Rectangle> = strips
-        .iter()
-        .flat_map(|strip| {
-            let cuts = cuts();
-            let piece =
-                |cut: &[f64]| Rectangle { low: [strip.low[0], cut[0]], high: [strip.high[0], cut[1]] };
-            cuts.windows(2).map(piece).collect::<Vec<_>>()
-        })
-        .collect();
+    let strips = Rectangle { low: [-LOG_TANGENT, -PI], high: [LOG_TANGENT, PI] }.grid(12, 1);
+    let pieces: Vec<Region> =
+        strips.into_iter().flat_map(|strip| Region::from(strip).cut(1, &cuts())).collect();
     let mut integrand = |logs: &[f64; NODES], phis: &[f64; NODES], values: &mut [[f64; 1]]| {
         let azimuths = phis.map(|phi| libm::sincos(azimuth + phi));
         for (i, &log) in logs.iter().enumerate() {
@@ -84,6 +79,54 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
         is_one("∫ density of visible normals - 1", visible, witness);
     }
     pointwise(examination, ledger, surface, &directions);
+    lobe(examination, ledger, surface);
+}
+
+/// Samples per setting.
+const SAMPLES: usize = 64;
+
+/// The lobe is made of these terms: visible normals are D G₁ (w·m) / cos θ, and f · 4 cos θo cos θi / (D G₂) is the
+/// Fresnel reflectance at the micro normal, where the specimen claims one.
+fn lobe(examination: &Examination<'_>, ledger: &mut Ledger, surface: &dyn Microsurface) {
+    let (specimen, claims) = (examination.specimen, &examination.claims);
+    let epsilon = claims.precision.epsilon();
+    for setting in examination.settings() {
+        let mut generator = examination.plan.generator(&examination.name, &setting, "microfacet");
+        let sign = 1.0_f64.copysign(setting.wo[2]);
+        let wo = setting.wo.map(|x| x * sign);
+        draw(specimen, &setting, claims.precision, &mut generator, SAMPLES, |uniforms, scatter| {
+            let Some(scatter) = scatter else { return };
+            let wi = scatter.wi.map(|x| x * sign);
+            if wi[2] <= 0.0 {
+                return;
+            }
+            let witness = setting.witness().with_wi(scatter.wi).with_uniforms(uniforms);
+            let m = normalized(core::array::from_fn(|i| wo[i] + wi[i]));
+            let cosine = facing(wo, m);
+            let expected = surface.d(m) * surface.g1(wo) * cosine / wo[2];
+            let error = (surface.visible_pdf(wo, m) - expected).abs();
+            let what = "density of visible normals against D G1 (w·m) / cos θ [1/sr]";
+            ledger.record(Check::new(what, error, 64.0 * epsilon * expected + f64::MIN_POSITIVE, witness));
+            let Some(boundary) = claims.boundary else { return };
+            let half = |w: Direction| normalized(core::array::from_fn(|i| wo[i] + w[i]));
+            for channel in 0..3 {
+                let [eta, k] = relative_index(&boundary, channel, sign > 0.0);
+                let model = |w: Direction| {
+                    let m = half(w);
+                    let [s, p] = reference(facing(wo, m).min(1.0), eta, k);
+                    0.5 * (s + p) * surface.d(m) * surface.g2(wo, w) / (4.0 * wo[2] * w[2])
+                };
+                let value =
+                    |w: Direction| specimen.eval(setting.wo, w.map(|x| x * sign), setting.transport)[channel];
+                let (f, expected) = (value(wi), model(wi));
+                let allowed = examination.rounding_error(wi, expected, model)
+                    + examination.rounding_error(wi, f, value)
+                    + f64::MIN_POSITIVE;
+                let what = "f against F D G2 / (4 cos θo cos θi) [1/sr]";
+                ledger.record(Check::new(what, (f - expected).abs(), allowed, witness));
+            }
+        });
+    }
 }
 
 fn facing(w: Direction, m: Direction) -> f64 {

@@ -17,13 +17,13 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     for setting in examination.settings() {
         let mut generator = examination.plan.generator(&examination.name, &setting, "reciprocal");
         let mut sampled = Vec::new();
-        draw(specimen, &setting, claims.precision, &mut generator, SAMPLED, |scatter| {
-            sampled.extend(scatter)
+        draw(specimen, &setting, claims.precision, &mut generator, SAMPLED, |uniforms, scatter| {
+            sampled.extend(scatter.map(|scatter| (uniforms, scatter)));
         });
-        for scatter in sampled {
+        for (uniforms, scatter) in sampled {
             match scatter.density {
                 Measure::SolidAngle(_) => compare(examination, ledger, setting.wo, scatter.wi),
-                Measure::Discrete(_) => compare_delta(examination, ledger, &setting, &scatter),
+                Measure::Discrete(_) => compare_delta(examination, ledger, &setting, uniforms, &scatter),
             }
         }
     }
@@ -74,41 +74,69 @@ fn compare(examination: &Examination<'_>, ledger: &mut Ledger, a: Direction, b: 
 
 const WHAT: &str = "f(wo, wi) against f(wi, wo) [1/sr]";
 
-/// The power of a delta is the same in both directions. Across a boundary radiance carries η² more or less.
-fn compare_delta(examination: &Examination<'_>, ledger: &mut Ledger, setting: &Setting, forth: &Scatter) {
-    let (specimen, transport) = (examination.specimen, setting.transport);
-    let witness = setting.witness().with_wi(forth.wi);
-    let power = |scatter: &Scatter| -> [f64; 3] {
-        let Measure::Discrete(probability) = scatter.density else { return [f64::NAN; 3] };
-        let gain = match transport {
-            Transport::Radiance => scatter.eta * scatter.eta,
-            Transport::Importance => 1.0,
-        };
-        scatter.weight.map(|weight| weight * probability * gain)
+/// The power of a delta is the same in both directions, and what importance carries forth radiance carries back.
+fn compare_delta(
+    examination: &Examination<'_>,
+    ledger: &mut Ledger,
+    setting: &Setting,
+    uniforms: [f64; 3],
+    forth: &Scatter,
+) {
+    let witness = setting.witness().with_wi(forth.wi).with_uniforms(uniforms);
+    let backward = match setting.transport {
+        Transport::Radiance => Transport::Importance,
+        Transport::Importance => Transport::Radiance,
     };
-    let back = |wo: Direction, wi: Direction| -> Option<Scatter> {
-        // One delta or the other, depending on the component: a sweep meets both.
-        let closest = |scatter: &Scatter| (0..3).map(|i| (scatter.wi[i] - wi[i]).powi(2)).sum::<f64>();
-        (0..64)
-            .filter_map(|i| specimen.sample(wo, [f64::from(i) / 64.0, 0.5, 0.5], transport))
-            .chain(specimen.sample(
-                wo,
-                [1.0 - 0.5 * examination.claims.precision.epsilon(), 0.5, 0.5],
-                transport,
-            ))
-            .min_by(|a, b| closest(a).total_cmp(&closest(b)))
-    };
-    // The way back from the other side starts at a rounded direction, which near the critical angle or at
-    // grazing incidence matters; so a neighbourhood of it is asked.
-    let Some(reverse) = back(forth.wi, setting.wo) else {
+    let back = |wo: Direction| way_back(examination, wo, setting.wo, backward, uniforms);
+    let Some(reverse) = back(forth.wi) else {
         ledger.record(Check::new("a delta has no way back", f64::NAN, 0.0, witness));
         return;
     };
-    let (a, b) = (power(forth), power(&reverse));
+    // The way back starts at a rounded direction, which near the critical angle or at grazing incidence matters.
+    let distance = |w: Direction| back(w).map_or(f64::NAN, |scatter| distance(scatter.wi, setting.wo));
+    let missed = distance(forth.wi);
+    let allowed = examination.rounding_error(forth.wi, missed, distance)
+        + 16.0 * examination.claims.precision.epsilon();
+    let what = "distance of a delta's way back from where it came";
+    ledger.record(Check::new(what, missed, allowed, witness));
+    let there = power(forth, setting.transport);
+    let here = power(&reverse, backward);
     for channel in 0..3 {
-        let value = |w: Direction| back(w, setting.wo).map_or(f64::NAN, |scatter| power(&scatter)[channel]);
-        let allowed = examination.rounding_error(forth.wi, b[channel], value);
-        let what = "power of a delta against its way back";
-        ledger.record(Check::new(what, (a[channel] - b[channel]).abs(), allowed, witness));
+        let value = |w: Direction| back(w).map_or(f64::NAN, |scatter| power(&scatter, backward)[channel]);
+        let allowed = examination.rounding_error(forth.wi, here[channel], value);
+        let what = "power of a delta against its way back in the other transport mode";
+        ledger.record(Check::new(what, (there[channel] - here[channel]).abs(), allowed, witness));
     }
+}
+
+/// What a delta carries per channel, in the measure of power: radiance is 1/η² of it.
+fn power(delta: &Scatter, transport: Transport) -> [f64; 3] {
+    let Measure::Discrete(probability) = delta.density else { return [f64::NAN; 3] };
+    let gain = match transport {
+        Transport::Radiance => delta.eta * delta.eta,
+        Transport::Importance => 1.0,
+    };
+    delta.weight.map(|weight| weight * probability * gain)
+}
+
+/// The delta from `wo` that comes closest to `target`: a sweep over the component's uniform meets every delta of
+/// more than 1/64; the uniforms of the way forth and the ends of the range meet rare ones.
+fn way_back(
+    examination: &Examination<'_>,
+    wo: Direction,
+    target: Direction,
+    transport: Transport,
+    [uc, u0, u1]: [f64; 3],
+) -> Option<Scatter> {
+    let last = 1.0 - 0.5 * examination.claims.precision.epsilon();
+    (0..64)
+        .map(|i| f64::from(i) / 64.0)
+        .chain([last, uc])
+        .filter_map(|uc| examination.specimen.sample(wo, [uc, u0, u1], transport))
+        .filter(|scatter| matches!(scatter.density, Measure::Discrete(_)))
+        .min_by(|a, b| distance(a.wi, target).total_cmp(&distance(b.wi, target)))
+}
+
+fn distance(a: Direction, b: Direction) -> f64 {
+    (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, f64::max)
 }

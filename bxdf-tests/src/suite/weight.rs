@@ -1,39 +1,54 @@
 //! `sample`, `eval` and `pdf` say the same, pointwise.
 
-use super::Examination;
-use crate::specimen::{Measure, Scatter};
+use super::{Examination, moved, normalized, tangents};
+use crate::plan::Setting;
+use crate::specimen::{Direction, Measure, Scatter, Transport};
 use crate::survey::draw;
 use crate::verdict::{Check, Ledger};
 
 /// Samples per setting.
 const SAMPLES: usize = 512;
 
+/// Move \[rad\] away from a delta that a continuous density does not notice.
+const BESIDE: f64 = 1e-6;
+
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     let (specimen, claims) = (examination.specimen, &examination.claims);
     let epsilon = claims.precision.epsilon();
-    for setting in examination.settings() {
-        let (wo, transport) = (setting.wo, setting.transport);
+    // Both modes, also where nothing is transmitted: they must then agree with the same `eval` and `pdf`.
+    for (setting, transport) in examination.settings().into_iter().flat_map(|setting| {
+        [Transport::Radiance, Transport::Importance].map(|transport| (setting, transport))
+    }) {
+        if claims.transmits && setting.transport != transport {
+            continue;
+        }
+        let setting = Setting { transport, ..setting };
+        let wo = setting.wo;
         let mut generator = examination.plan.generator(&examination.name, &setting, "weight");
         let mut deltas: Vec<(Scatter, f64)> = Vec::new();
-        draw(specimen, &setting, claims.precision, &mut generator, SAMPLES, |scatter| {
+        draw(specimen, &setting, claims.precision, &mut generator, SAMPLES, |uniforms, scatter| {
             let Some(scatter) = scatter else { return };
             let wi = scatter.wi;
-            let witness = setting.witness().with_wi(wi);
-            let pdf = specimen.pdf(wo, wi, transport);
-            let f = specimen.eval(wo, wi, transport);
+            let witness = setting.witness().with_wi(wi).with_uniforms(uniforms);
+            let crossed = wo[2] * wi[2] < 0.0 && !claims.transmits;
+            let what = "a sample on the other side, which is not claimed";
+            ledger.record(Check::new(what, f64::from(crossed), 0.0, witness));
+            let pdf = |w: Direction| specimen.pdf(wo, w, transport);
+            let f_cos = |w: Direction| specimen.eval(wo, w, transport).map(|f| f * w[2].abs());
             match scatter.density {
                 Measure::SolidAngle(reported) => {
-                    let density = |w| specimen.pdf(wo, w, transport);
-                    let allowed = examination.rounding_error(wi, pdf, density);
+                    let expected = pdf(wi);
+                    let allowed = examination.rounding_error(wi, expected, pdf);
                     let what = "reported density against pdf [1/sr]";
-                    ledger.record(Check::new(what, (reported - pdf).abs(), allowed, witness));
+                    ledger.record(Check::new(what, (reported - expected).abs(), allowed, witness));
                     for channel in 0..3 {
-                        let g = |w| specimen.eval(wo, w, transport)[channel] * w[2].abs();
-                        let expected = f[channel] * wi[2].abs();
-                        let allowed = examination.rounding_error(wi, expected, g)
+                        let expected = f_cos(wi)[channel];
+                        let allowed = examination.rounding_error(wi, expected, |w| f_cos(w)[channel])
                             + scatter.weight[channel] * allowed
                             + f64::MIN_POSITIVE;
                         let error = (scatter.weight[channel] * reported - expected).abs();
+                        // An infinite weight would allow itself.
+                        let error = if allowed.is_finite() { error } else { f64::NAN };
                         ledger.record(Check::new(
                             "weight · pdf against f · |cos θi|",
                             error,
@@ -43,8 +58,12 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
                     }
                 }
                 Measure::Discrete(probability) => {
-                    let density = f.into_iter().fold(pdf, f64::max);
-                    ledger.record(Check::new("eval or pdf at a delta", density, 0.0, witness));
+                    // Beside the delta a continuous part is what it is at the delta; the delta itself has no density.
+                    let highest = |w: Direction| f_cos(w).into_iter().fold(pdf(w), f64::max);
+                    let beside = tangents(wi).map(|axis| highest(normalized(moved(wi, axis, BESIDE))));
+                    let limit = 2.0 * beside[0].max(beside[1]);
+                    let what = "density or f cos [1/sr] at a delta, against twice that beside it";
+                    ledger.record(Check::new(what, highest(wi), limit, witness));
                     let excess = probability - 1.0;
                     ledger.record(Check::new(
                         "probability of a delta above 1",
