@@ -103,10 +103,15 @@ pub(crate) struct Partition {
 }
 
 impl Partition {
-    /// Cells in which no fewer than `smallest` of the pilot points lie. A cell is not halved where a half would
-    /// be narrower than `resolution` \[rad\], below which a specimen cannot resolve directions; the pieces that
-    /// it is integrated over still are.
-    pub(crate) fn new(chart: Chart, mut pilot: Vec<Pilot>, smallest: usize, resolution: f64) -> Self {
+    /// Cells in which no fewer than `per_cell` of the pilot points lie, and pieces of cells for integration with no
+    /// fewer than `per_piece`. A cell is not halved where a half would be narrower than `resolution` \[rad\], below
+    /// which a specimen cannot resolve directions; pieces still are.
+    pub(crate) fn new(
+        chart: Chart,
+        mut pilot: Vec<Pilot>,
+        [per_cell, per_piece]: [usize; 2],
+        resolution: f64,
+    ) -> Self {
         let mut partition =
             Self { chart, cells: Vec::new(), groups: [0; RESOLUTIONS], nodes: Vec::new(), roots: [0; 2] };
         pilot.sort_by_key(|pilot| pilot.point.hemisphere);
@@ -114,7 +119,8 @@ impl Partition {
         let (above, below) = pilot.split_at_mut(upper);
         let whole = Rectangle { low: [0.0, -PI], high: [1.0, PI] };
         for (hemisphere, points) in [above, below].into_iter().enumerate() {
-            let mut growth = Growth { partition: &mut partition, hemisphere, smallest, resolution };
+            let mut growth =
+                Growth { partition: &mut partition, hemisphere, per_cell, per_piece, resolution };
             let root = growth.grow(points, whole, 0, [None; RESOLUTIONS]);
             partition.roots[hemisphere] = root;
         }
@@ -137,7 +143,8 @@ impl Partition {
 struct Growth<'a> {
     partition: &'a mut Partition,
     hemisphere: usize,
-    smallest: usize,
+    per_cell: usize,
+    per_piece: usize,
     resolution: f64,
 }
 
@@ -156,7 +163,7 @@ impl Growth<'_> {
                 groups[level] = Some(self.new_group(level));
             }
         }
-        let Some((axis, at)) = self.halving(points, rectangle, depth, self.resolution) else {
+        let Some((axis, at)) = halving(points, rectangle, depth, self.per_cell, self.resolution) else {
             let mut pieces = Vec::new();
             self.cut(points, rectangle, depth, &mut pieces);
             let groups = core::array::from_fn(|level| groups[level].unwrap_or_else(|| self.new_group(level)));
@@ -173,7 +180,7 @@ impl Growth<'_> {
 
     /// Cuts a cell further, as if directions could be resolved without limit.
     fn cut(&self, points: &mut [Pilot], rectangle: Rectangle, depth: usize, pieces: &mut Vec<Region>) {
-        let Some((axis, at)) = self.halving(points, rectangle, depth, 0.0) else {
+        let Some((axis, at)) = halving(points, rectangle, depth, self.per_piece, 0.0) else {
             let witnesses = points.iter().map(|pilot| (pilot.point.at, pilot.density)).collect();
             pieces.extend(graded(Region::new(rectangle, witnesses), around(points)));
             return;
@@ -189,30 +196,30 @@ impl Growth<'_> {
         self.partition.groups[level] += 1;
         group
     }
+}
 
-    /// Axis and median at which a cell is halved, if both halves keep enough points and width; the axes take
-    /// turns.
-    fn halving(
-        &self,
-        points: &mut [Pilot],
-        rectangle: Rectangle,
-        depth: usize,
-        resolution: f64,
-    ) -> Option<(usize, f64)> {
-        if points.len() < 2 * self.smallest {
-            return None;
-        }
-        [depth % 2, (depth + 1) % 2].into_iter().find_map(|axis| {
-            let [v, _] = median(points, axis).point.at;
-            let at = median(points, axis).point.at[axis];
-            let lower = points.iter().filter(|pilot| pilot.point.at[axis] < at).count();
-            let sin_theta = (v * (2.0 - v)).max(0.0).sqrt();
-            // An angle along the meridian is dv / sin θ, along the parallel sin θ dφ.
-            let narrowest = if axis == 0 { resolution * sin_theta } else { resolution / sin_theta };
-            let wide = at - rectangle.low[axis] > narrowest && rectangle.high[axis] - at > narrowest;
-            (wide && lower.min(points.len() - lower) >= self.smallest).then_some((axis, at))
-        })
+/// Axis and median at which a rectangle is halved, if both halves keep `smallest` points and enough width; the axes
+/// take turns.
+fn halving(
+    points: &mut [Pilot],
+    rectangle: Rectangle,
+    depth: usize,
+    smallest: usize,
+    resolution: f64,
+) -> Option<(usize, f64)> {
+    if points.len() < 2 * smallest {
+        return None;
     }
+    [depth % 2, (depth + 1) % 2].into_iter().find_map(|axis| {
+        let median = median(points, axis).point.at;
+        let ([v, _], at) = (median, median[axis]);
+        let lower = points.iter().filter(|pilot| pilot.point.at[axis] < at).count();
+        let sin_theta = (v * (2.0 - v)).max(0.0).sqrt();
+        // An angle along the meridian is dv / sin θ, along the parallel sin θ dφ.
+        let narrowest = if axis == 0 { resolution * sin_theta } else { resolution / sin_theta };
+        let wide = at - rectangle.low[axis] > narrowest && rectangle.high[axis] - at > narrowest;
+        (wide && lower.min(points.len() - lower) >= smallest).then_some((axis, at))
+    })
 }
 
 /// The point in the middle along one axis; there is at least one.
@@ -307,7 +314,7 @@ mod tests {
                 Pilot { point: Point { hemisphere: 0, at }, density: 1.0 }
             })
             .collect();
-        let partition = Partition::new(chart, pilots.clone(), 16, 0.0);
+        let partition = Partition::new(chart, pilots.clone(), [16, 16], 0.0);
         let pieces = || partition.cells.iter().flat_map(|cell| &cell.pieces);
         let area: f64 = pieces().map(|piece| piece.rectangle.area()).sum();
         assert_eq!(pieces().map(|piece| piece.witnesses.len()).sum::<usize>(), 4096);

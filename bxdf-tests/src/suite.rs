@@ -16,7 +16,7 @@ use std::sync::OnceLock;
 use crate::claims::Claims;
 use crate::plan::{Plan, Setting};
 use crate::specimen::{Direction, Specimen};
-use crate::survey::{Survey, Tally};
+use crate::survey::{Look, Survey, Tally};
 use crate::verdict::{Check, Ledger, Verdict, Witness};
 
 macro_rules! suites {
@@ -84,7 +84,23 @@ pub(crate) struct Surveyed {
     pub(crate) setting: Setting,
     pub(crate) survey: Survey,
     pub(crate) tally: Tally,
+    /// The second look, once something was doubtful.
+    second: OnceLock<Box<Surveyed>>,
 }
+
+/// A statistical check at one setting.
+pub(crate) struct PValue {
+    pub(crate) what: &'static str,
+    pub(crate) ln_p: f64,
+    pub(crate) samples: u64,
+    /// Cells of a χ² table after pooling.
+    pub(crate) cells: Option<usize>,
+    /// The evidence cannot carry a conclusion.
+    pub(crate) inconclusive: bool,
+}
+
+/// ln of the p-value below which the second look decides: 1e-4.
+const LN_GREY: f64 = -9.210_340_371_976_182;
 
 impl<'a> Examination<'a> {
     /// Prepares an examination; nothing is measured yet.
@@ -134,20 +150,42 @@ impl<'a> Examination<'a> {
 
     pub(crate) fn surveys(&self) -> &[Surveyed] {
         self.surveys.get_or_init(|| {
-            self.settings()
-                .into_iter()
-                .map(|setting| {
-                    let mut survey = Survey::new(self.specimen, &self.claims, self.plan, &setting);
-                    let tally = self.tally(&mut survey, &setting, "stage 1", self.plan.samples);
-                    Surveyed { setting, survey, tally }
-                })
-                .collect()
+            self.settings().into_iter().map(|setting| self.look(setting, Look::FIRST)).collect()
         })
     }
 
-    pub(crate) fn tally(&self, survey: &mut Survey, setting: &Setting, stage: &str, samples: usize) -> Tally {
-        let mut generator = self.plan.generator(&self.name, setting, stage);
-        survey.tally(self.specimen, &self.claims, setting, &mut generator, samples)
+    fn look(&self, setting: Setting, look: Look) -> Surveyed {
+        let mut survey = Survey::new(self.specimen, &self.claims, self.plan, &setting, look);
+        let tally = survey.tally(self.specimen, &self.claims, self.plan, &setting, look);
+        Surveyed { setting, survey, tally, second: OnceLock::new() }
+    }
+
+    /// Records statistical checks at a setting in two planned stages.
+    ///
+    /// `p_values` gives named checks with ln p as their value. Where one falls below 1e-4 a second look decides, on
+    /// independent samples and against level / 1e-4: together that is the level.
+    pub(crate) fn judge(
+        &self,
+        surveyed: &Surveyed,
+        ledger: &mut Ledger,
+        p_values: impl Fn(&Surveyed) -> Vec<PValue>,
+    ) {
+        let level = self.plan.ln_level();
+        let first = p_values(surveyed);
+        // NaN is not a matter of chance.
+        let is_grey = |p: &PValue| p.ln_p < LN_GREY;
+        let second = first.iter().any(is_grey).then(|| {
+            p_values(surveyed.second.get_or_init(|| Box::new(self.look(surveyed.setting, Look::SECOND))))
+        });
+        for (i, first) in first.iter().enumerate() {
+            let (p, ln_p) = match &second {
+                Some(second) if is_grey(first) => (&second[i], second[i].ln_p + LN_GREY),
+                _ => (first, first.ln_p),
+            };
+            let witness = surveyed.setting.witness();
+            let check = Check::p_value(p.what, ln_p, level, p.samples, witness);
+            ledger.record(Check { cells: p.cells, inconclusive: p.inconclusive, ..check });
+        }
     }
 
     /// How much `g` may change because directions are rounded: its largest change when `wi` moves by 16 ε, across

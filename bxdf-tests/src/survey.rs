@@ -9,10 +9,32 @@ use crate::{Claims, Precision};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-/// Samples that shape the cells; they are not counted.
-const PILOT_SAMPLES: usize = 1 << 14;
-/// Pilot samples per cell, at least.
-const PILOT_PER_CELL: usize = 40;
+/// How closely a setting is looked at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Look {
+    /// Part of the seeds.
+    name: &'static str,
+    /// Samples that shape the cells and lead the cubature; they are not counted.
+    pilots: usize,
+    /// Counted samples over those of the plan.
+    samples: usize,
+}
+
+impl Look {
+    /// Enough for lobes of one width.
+    pub(crate) const FIRST: Self = Self { name: "stage 1", pilots: 1 << 14, samples: 1 };
+    /// Decides what the first leaves doubtful, on independent samples. It has as many pilot samples as counted ones:
+    /// mass that the cubature could overlook is then too little to be noticed.
+    pub(crate) const SECOND: Self = Self { name: "stage 2", pilots: 1 << 20, samples: 4 };
+
+    /// Pilot samples per cell: some 256 cells, whatever the number of pilot samples.
+    fn per_cell(self) -> usize {
+        self.pilots / 410
+    }
+}
+
+/// Pilot samples per piece of a cell.
+const PILOTS_PER_PIECE: usize = 40;
 /// Samples per call.
 const BATCH: usize = 1024;
 /// Deltas of one setting that are told apart; more are one too many for `weight` too.
@@ -114,17 +136,24 @@ pub struct Albedo {
 /// The directional albedo at `wo`, by adaptive cubature of `eval` over cells that follow the sampler.
 pub fn directional_albedo(specimen: &dyn Specimen, wo: Direction, transport: Transport) -> Albedo {
     let plan = Plan::new(0, [specimen]);
-    Survey::new(specimen, &specimen.claims(), &plan, &Setting { wo, transport }).albedo()
+    let setting = Setting { wo, transport };
+    Survey::new(specimen, &specimen.claims(), &plan, &setting, Look::FIRST).albedo()
 }
 
 impl Survey {
-    pub(crate) fn new(specimen: &dyn Specimen, claims: &Claims, plan: &Plan, setting: &Setting) -> Self {
+    pub(crate) fn new(
+        specimen: &dyn Specimen,
+        claims: &Claims,
+        plan: &Plan,
+        setting: &Setting,
+        look: Look,
+    ) -> Self {
         let precision = claims.precision;
         let chart = Chart::new(setting.wo);
-        let mut generator = plan.generator(&specimen.name(), setting, "pilot");
-        let mut directions: Vec<Direction> = Vec::with_capacity(PILOT_SAMPLES);
+        let mut generator = plan.generator(&specimen.name(), setting, &format!("{} pilot", look.name));
+        let mut directions: Vec<Direction> = Vec::with_capacity(look.pilots);
         let mut atoms: Vec<Atom> = Vec::new();
-        draw(specimen, setting, precision, &mut generator, PILOT_SAMPLES, |_, scatter| match scatter {
+        draw(specimen, setting, precision, &mut generator, look.pilots, |_, scatter| match scatter {
             Some(Scatter { wi, density: Measure::SolidAngle(_), .. }) => directions.push(wi),
             Some(scatter @ Scatter { density: Measure::Discrete(probability), .. }) => {
                 find_or_add(&mut atoms, Atom { scatter, probability }, precision);
@@ -147,7 +176,8 @@ impl Survey {
             .zip(densities)
             .map(|(&direction, density)| Pilot { point: chart.point(direction), density })
             .collect();
-        let partition = Partition::new(chart, pilots, PILOT_PER_CELL, 64.0 * precision.epsilon());
+        let partition =
+            Partition::new(chart, pilots, [look.per_cell(), PILOTS_PER_PIECE], 64.0 * precision.epsilon());
         let mut survey = Self {
             partition,
             largest_weight: atoms.iter().flat_map(|atom| atom.scatter.weight).fold(0.0, f64::max),
@@ -224,10 +254,12 @@ impl Survey {
         &mut self,
         specimen: &dyn Specimen,
         claims: &Claims,
+        plan: &Plan,
         setting: &Setting,
-        generator: &mut Pcg64,
-        samples: usize,
+        look: Look,
     ) -> Tally {
+        let mut generator = plan.generator(&specimen.name(), setting, look.name);
+        let samples = look.samples * plan.samples;
         let mut tally = Tally {
             samples: samples as u64,
             none: 0,
@@ -237,7 +269,7 @@ impl Survey {
             largest_weight: 0.0,
             unusable: None,
         };
-        draw(specimen, setting, claims.precision, generator, samples, |_, scatter| {
+        draw(specimen, setting, claims.precision, &mut generator, samples, |_, scatter| {
             let Some(scatter) = scatter else {
                 tally.none += 1;
                 return;

@@ -17,8 +17,12 @@ pub(super) fn density<F: Real>(stretched: F, z: F) -> F {
 pub(super) fn projected_area<F: Real>(z: F, s_squared: F) -> F {
     let s = s_squared.sqrt();
     let a = z / s;
+    // From here on erfc(−a) = 2 and the other term is below half a unit in the last place of z, also where s = 0.
+    if a >= F::from_f64(6.0) {
+        return z;
+    }
     if !a.is_finite() {
-        return z.max(F::ZERO);
+        return F::ZERO;
     }
     F::HALF * (z * (-a).erfc() + s * (-a * a).exp() * frac_1_sqrt_pi())
 }

@@ -1,16 +1,12 @@
 //! Samples follow the pdf: Pearson's χ² at three resolutions, with the deltas and the no-sample cell in the
 //! same table.
 
-use super::{Examination, Surveyed};
+use super::{Examination, PValue, Surveyed};
 use crate::binning::RESOLUTIONS;
 use crate::statistics::{ln_pearson_tail, ln_poisson_upper_tail};
 use crate::survey::{Survey, Tally};
 use crate::verdict::{Check, Ledger};
 
-/// ln of the p-value below which the second, independent stage decides: 1e-4.
-const LN_GREY: f64 = -9.210_340_371_976_182;
-/// Samples of the second stage over those of the first.
-const SECOND_STAGE: usize = 4;
 /// Expected count below which cells are pooled.
 const POOLED_BELOW: f64 = 5.0;
 /// Error of the expected count, squared and in units of its variance, above which cells are pooled.
@@ -25,44 +21,15 @@ const WHAT: [&str; RESOLUTIONS] = [
 ];
 
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
-    let level = examination.plan.ln_level();
-    for Surveyed { setting, survey, tally } in examination.surveys() {
-        let witness = setting.witness();
-        let first = tails(examination, survey, tally);
-        let grey = first.iter().any(|tail| tail.ln_p < LN_GREY);
-        let mut unusable = tally.unusable;
-        let second = grey.then(|| {
-            let mut survey = survey.clone();
-            let samples = SECOND_STAGE * examination.plan.samples;
-            let again = examination.tally(&mut survey, setting, "stage 2", samples);
-            unusable = unusable.or(again.unusable);
-            tails(examination, &survey, &again)
-        });
-        if let Some(scatter) = unusable {
+    for surveyed in examination.surveys() {
+        if let Some(scatter) = surveyed.tally.unusable {
             let what = "a sample that is not a direction with a weight";
-            ledger.record(Check::new(what, f64::NAN, 0.0, witness.with_wi(scatter.wi)));
+            let witness = surveyed.setting.witness().with_wi(scatter.wi);
+            ledger.record(Check::new(what, f64::NAN, 0.0, witness));
         }
-        for (i, first) in first.iter().enumerate() {
-            // A violation takes p₁ < 1e-4 and p₂ < level / 1e-4 on independent samples: together the level.
-            let (tail, ln_p) = match &second {
-                Some(second) if first.ln_p < LN_GREY => (&second[i], second[i].ln_p + LN_GREY),
-                _ => (first, first.ln_p),
-            };
-            let mut check = Check::p_value(tail.what, ln_p, level, tail.samples, witness);
-            check.inconclusive = tail.inconclusive;
-            check.cells = tail.cells;
-            ledger.record(check);
-        }
+        examination
+            .judge(surveyed, ledger, |Surveyed { survey, tally, .. }| tails(examination, survey, tally));
     }
-}
-
-struct Tail {
-    what: &'static str,
-    ln_p: f64,
-    samples: u64,
-    /// Cells of the table after pooling, at the finest resolution.
-    cells: Option<usize>,
-    inconclusive: bool,
 }
 
 /// A row of the table: probability, bound on its error, observed count.
@@ -82,10 +49,10 @@ impl Row {
 }
 
 /// χ² at each resolution, and the most surprising of the cells that expect next to nothing.
-fn tails(examination: &Examination<'_>, survey: &Survey, tally: &Tally) -> Vec<Tail> {
+fn tails(examination: &Examination<'_>, survey: &Survey, tally: &Tally) -> Vec<PValue> {
     let mut rare: Vec<Row> = Vec::new();
     let mut samples = tally.samples as f64;
-    let mut tails: Vec<Tail> = (0..RESOLUTIONS)
+    let mut tails: Vec<PValue> = (0..RESOLUTIONS)
         .map(|level| {
             let rows;
             (rows, samples) = table(examination, survey, tally, level);
@@ -94,14 +61,14 @@ fn tails(examination: &Examination<'_>, survey: &Survey, tally: &Tally) -> Vec<T
             }
             let Pearson { ln_p, cells, inconclusive } = pearson(rows, samples);
             let cells = (level == RESOLUTIONS - 1).then_some(cells);
-            Tail { what: WHAT[level], ln_p, samples: tally.samples, cells, inconclusive }
+            PValue { what: WHAT[level], ln_p, samples: tally.samples, cells, inconclusive }
         })
         .collect();
     let surprise = rare
         .iter()
         .map(|row| ln_poisson_upper_tail(row.observed, samples * (row.probability.max(0.0) + row.error)))
         .fold(0.0, f64::min);
-    tails.push(Tail {
+    tails.push(PValue {
         what: "-log10 p of samples where the pdf is next to nothing",
         ln_p: (surprise + (rare.len().max(1) as f64).ln()).min(0.0),
         samples: 0,

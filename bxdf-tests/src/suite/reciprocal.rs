@@ -20,10 +20,16 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
         draw(specimen, &setting, claims.precision, &mut generator, SAMPLED, |uniforms, scatter| {
             sampled.extend(scatter.map(|scatter| (uniforms, scatter)));
         });
+        let mut deltas: Vec<Direction> = Vec::new();
         for (uniforms, scatter) in sampled {
             match scatter.density {
                 Measure::SolidAngle(_) => compare(examination, ledger, setting.wo, scatter.wi),
-                Measure::Discrete(_) => compare_delta(examination, ledger, &setting, uniforms, &scatter),
+                // Once each: all samples of a delta are the same.
+                Measure::Discrete(_) if deltas.contains(&scatter.wi) => {}
+                Measure::Discrete(_) => {
+                    deltas.push(scatter.wi);
+                    compare_delta(examination, ledger, &setting, uniforms, &scatter);
+                }
             }
         }
     }
