@@ -136,7 +136,8 @@ impl<F: Real> Distribution<F> {
     #[inline]
     pub fn reflection(&self, wo: F::Vec3, wi: F::Vec3) -> (F, F) {
         let h = (wo + wi).normalize();
-        (self.d(h) * self.visibility(wo, wi), wo.dot(h))
+        // Opposite directions at grazing incidence: rounding can bring the facet to face away.
+        (self.d(h) * self.visibility(wo, wi), wo.dot(h).max(F::ZERO))
     }
 
     /// Density \[sr⁻¹\] of reflecting `wo` about a visible normal into `wi`: D(h) / (4 σ(wo)).
@@ -153,11 +154,6 @@ impl<F: Real> Distribution<F> {
         let sigma_o = self.projected_area(wo);
         let pdf = self.d(m) / (F::FOUR * sigma_o);
         (pdf, wi.z() * sigma_o / self.visibility_denominator(sigma_o, wo, wi))
-    }
-
-    /// Shape of the distribution.
-    pub fn shape(&self) -> Shape {
-        self.shape
     }
 
     /// `true` if the distribution does not change under rotation about the normal.

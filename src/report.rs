@@ -11,7 +11,7 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use bxdf_tests::{FAMILY_ERROR_RATE, Plan, Specimen, Verdict};
+use bxdf_tests::{FAMILY_ERROR_RATE, Plan, Specimen, Suite, Verdict};
 use serde::Serialize;
 
 use crate::ior::{IorError, Table, builtin};
@@ -97,7 +97,7 @@ impl Report {
         let tables: Vec<Table> = FIGURE_5.into_iter().map(builtin).collect::<Result<_, _>>()?;
         let figure = FresnelFigure::new(&tables, SODIUM_D_NM)?;
         let svg = figure.svg()?;
-        let verdicts = verify(specimens, plan, finished);
+        let verdicts = verify(specimens, Suite::ALL, plan, finished);
         let page =
             page::html(&page::Contents { specimens, plan, verdicts: &verdicts, figure: &figure, svg: &svg })?;
         let files = vec![

@@ -4,8 +4,8 @@
 //! build; one without a case fails a test by name.
 
 use bxdf_tests::{
-    Boundary, Claims, Direction, Energy, Measure, Microsurface, Plan, Precision, Scatter, Transport, Verdict,
-    examine,
+    Boundary, Claims, Direction, Energy, Examination, Measure, Microsurface, Plan, Precision, Scatter, Suite,
+    Transport, Verdict,
 };
 use rayon::prelude::*;
 
@@ -168,11 +168,13 @@ pub fn specimens_of(kind: LobeKind) -> Result<Vec<Box<dyn bxdf_tests::Specimen>>
     Ok(specimens)
 }
 
-/// Runs every suite that applies on every specimen, in parallel; the verdicts are in the order of the specimens.
+/// Runs the given suites, where they apply, on every specimen, in parallel; the verdicts are in the order of the
+/// specimens.
 ///
 /// `finished` is called with the name of each specimen that is done.
 pub fn verify(
     specimens: &[Box<dyn bxdf_tests::Specimen>],
+    suites: &[Suite],
     plan: &Plan,
     finished: &(dyn Fn(&str) + Sync),
 ) -> Vec<Verdict> {
@@ -180,8 +182,9 @@ pub fn verify(
         .par_iter()
         .with_max_len(1)
         .map(|specimen| {
-            let verdicts = examine(&**specimen, plan);
-            finished(&specimen.name());
+            let examination = Examination::new(&**specimen, plan);
+            let verdicts = suites.iter().filter_map(|&suite| examination.verdict(suite)).collect();
+            finished(examination.name());
             verdicts
         })
         .collect();
@@ -269,7 +272,7 @@ fn cases<F: Real>(kind: LobeKind) -> Result<Vec<LobeSpecimen<F>>, CatalogueError
                 push("rough_mirror", format!("{name}_0.5"), shape, [0.5; 2], white)?;
             }
             for (shape, name) in shapes {
-                for (index, eta) in [("1.5", 1.5), ("1_over_1.5", 1.0 / 1.5)] {
+                for (index, eta) in [("1.5", 1.5), ("1_over_1.5", 1.0 / 1.5), ("1", 1.0)] {
                     let glass = Fresnel::dielectric(f(eta))?;
                     let case = format!("{name}_0.3_eta_{index}");
                     push("rough_dielectric_reflection", case, shape, [0.3; 2], glass)?;

@@ -56,6 +56,7 @@ fn values_out_of_range_are_named() {
     assert!(message.contains("no value at NaN nm"), "{message}");
     assert!(refused(&["verify", "--samples", "10"]).contains("10 is not in 1000 to"));
     assert!(refused(&["verify", "--seed", "x"]).contains("--seed"));
+    assert!(refused(&["verify", "--suite", "chi"]).contains("choose one of finite, normalised"));
     assert!(refused(&["list", "--threads", "0"]).contains("--threads must be at least 1"));
     let seven = ["plot", "fresnel", "a", "b", "c", "d", "e", "f", "g"];
     assert!(refused(&seven).contains("7 data sets given"));
@@ -122,7 +123,7 @@ fn verdicts_do_not_depend_on_threads_and_do_on_the_seed() {
     assert_ne!(one, run(&["--seed", "1"]));
     let verdicts: serde_json::Value = serde_json::from_str(&one).unwrap();
     assert_eq!(verdicts["schema"], "gonio-verdicts/1");
-    assert_eq!(verdicts["verdicts"].as_array().unwrap().len(), 2 * 2 * 7 + 2 * 6);
+    assert_eq!(verdicts["verdicts"].as_array().unwrap().len(), 2 * 2 * 8 + 2 * 7);
 }
 
 #[test]

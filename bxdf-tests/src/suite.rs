@@ -95,8 +95,8 @@ pub(crate) struct PValue {
     pub(crate) samples: u64,
     /// Cells of a χ² table after pooling.
     pub(crate) cells: Option<usize>,
-    /// The evidence cannot carry a conclusion.
-    pub(crate) inconclusive: bool,
+    /// Why the evidence cannot carry a conclusion.
+    pub(crate) inconclusive: Option<&'static str>,
 }
 
 /// ln of the p-value below which the second look decides: 1e-4.
@@ -122,16 +122,20 @@ impl<'a> Examination<'a> {
     ///
     /// A specimen that panics is violated, not the run.
     pub fn verdict(&self, suite: Suite) -> Option<Verdict> {
-        if !suite.applies(&self.claims) {
-            return None;
-        }
+        let waiver = self.claims.waivers.iter().find(|waiver| waiver.suite == suite);
         let mut ledger = Ledger::default();
+        if !suite.applies(&self.claims) {
+            // A waiver for a suite that does not run would never be noticed again.
+            waiver?;
+            let what = "a waiver for a suite that does not apply";
+            ledger.record(Check::new(what, f64::NAN, 0.0, Witness::default()));
+            return Some(ledger.into_verdict(self.name.clone(), suite, self.plan.run_seed));
+        }
         let result = catch_unwind(AssertUnwindSafe(|| suite.run(self, &mut ledger)));
         if result.is_err() {
             ledger.record(Check::new("the specimen panicked", f64::NAN, 0.0, Witness::default()));
         }
         let verdict = ledger.into_verdict(self.name.clone(), suite, self.plan.run_seed);
-        let waiver = self.claims.waivers.iter().find(|waiver| waiver.suite == suite);
         Some(match waiver {
             // A waiver is for a wrong value, not for a crash.
             Some(waiver) if result.is_ok() => verdict.under_waiver(&waiver.reason),
@@ -175,7 +179,11 @@ impl<'a> Examination<'a> {
         // NaN is not a matter of chance.
         let is_grey = |p: &PValue| p.ln_p < LN_GREY;
         let second = first.iter().any(is_grey).then(|| {
-            p_values(surveyed.second.get_or_init(|| Box::new(self.look(surveyed.setting, Look::SECOND))))
+            p_values(
+                surveyed
+                    .second
+                    .get_or_init(|| Box::new(self.look(surveyed.setting, Look::second(self.plan)))),
+            )
         });
         for (i, first) in first.iter().enumerate() {
             let (p, ln_p) = match &second {
@@ -201,6 +209,7 @@ impl<'a> Examination<'a> {
             .into_iter()
             .flat_map(|axis| [16.0 * epsilon, -16.0 * epsilon].map(|step| moved(wi, axis, step)))
             .map(|near| (g(near) - value).abs())
+            .filter(|change| change.is_finite())
             .fold(0.0, f64::max);
         change + 64.0 * epsilon * value.abs()
     }

@@ -25,7 +25,9 @@ impl Look {
     pub(crate) const FIRST: Self = Self { name: "stage 1", pilots: 1 << 14, samples: 1 };
     /// Decides what the first leaves doubtful, on independent samples. It has as many pilot samples as counted ones:
     /// mass that the cubature could overlook is then too little to be noticed.
-    pub(crate) const SECOND: Self = Self { name: "stage 2", pilots: 1 << 20, samples: 4 };
+    pub(crate) fn second(plan: &Plan) -> Self {
+        Self { name: "stage 2", pilots: (4 * plan.samples).max(1 << 16), samples: 4 }
+    }
 
     /// Pilot samples per cell: some 256 cells, whatever the number of pilot samples.
     fn per_cell(self) -> usize {
@@ -60,6 +62,8 @@ pub(crate) struct Survey {
     pub(crate) integral: Integral<INTEGRALS>,
     /// Largest f cos / pdf at any node, or weight of any atom.
     pub(crate) largest_weight: f64,
+    /// The smallest f cos or pdf at any node; NaN or infinite if one was.
+    pub(crate) lowest: f64,
 }
 
 /// ∫ pdf, ∫ f cos, ∫ (f cos)²/pdf.
@@ -75,6 +79,8 @@ pub(crate) struct Tally {
     /// Sum of weights per channel, in the measure of power where the setting carries importance.
     pub(crate) weight: [f64; 3],
     pub(crate) largest_weight: f64,
+    /// NaN or infinite if a weight was.
+    pub(crate) lowest_weight: f64,
     /// The first sample that cannot be counted: not a number, or one delta too many.
     pub(crate) unusable: Option<Scatter>,
 }
@@ -105,6 +111,17 @@ pub(crate) fn draw(
         specimen.sample_many(setting.wo, &numbers[..batch], setting.transport, &mut scatters[..batch]);
         numbers[..batch].iter().zip(&scatters).for_each(|(&numbers, &scatter)| consume(numbers, scatter));
         left -= batch;
+    }
+}
+
+/// The smaller of the two; whatever is not finite wins and stays.
+fn lower(a: f64, b: f64) -> f64 {
+    if a.is_finite() && (b >= a) && b.is_finite() {
+        a
+    } else if a.is_finite() {
+        b
+    } else {
+        a
     }
 }
 
@@ -182,6 +199,7 @@ impl Survey {
             partition,
             largest_weight: atoms.iter().flat_map(|atom| atom.scatter.weight).fold(0.0, f64::max),
             atoms,
+            lowest: 0.0,
             cell_mass: Vec::new(),
             integral: Integral::ZERO,
         };
@@ -199,7 +217,7 @@ impl Survey {
         let mut directions = vec![[0.0; 3]; NODES * NODES];
         let mut densities = vec![0.0; NODES * NODES];
         let mut values = vec![[0.0; 3]; NODES * NODES];
-        let mut largest_weight = self.largest_weight;
+        let (mut largest_weight, mut lowest) = (self.largest_weight, self.lowest);
         for cell in &self.partition.cells {
             let chart = &self.partition.chart;
             let mut integrand = |vs: &[f64; NODES], phis: &[f64; NODES], out: &mut [[f64; INTEGRALS]]| {
@@ -209,6 +227,7 @@ impl Survey {
                 for (k, out) in out.iter_mut().enumerate() {
                     let (cosine, density) = (directions[k][2].abs(), densities[k]);
                     let [r, g, b] = values[k].map(|f| f * cosine);
+                    lowest = [r, g, b].into_iter().fold(lower(lowest, density), lower);
                     let square = |x: f64| if density > 0.0 { x * x / density } else { 0.0 };
                     *out = [density, r, g, b, square(r), square(g), square(b)];
                     if density > 0.0 {
@@ -220,7 +239,7 @@ impl Survey {
             self.cell_mass.push([integral.value[0], integral.error[0]]);
             self.integral.add(&integral);
         }
-        self.largest_weight = largest_weight;
+        (self.largest_weight, self.lowest) = (largest_weight, lowest);
     }
 
     /// ∫ f cos plus the deltas, per channel, with error bounds: the directional albedo.
@@ -245,7 +264,8 @@ impl Survey {
 
     /// Probability that no sample comes out, as the pdf and the deltas leave it, with its error bound.
     pub(crate) fn no_sample(&self, precision: Precision) -> [f64; 2] {
-        let rounding = 4.0 * precision.epsilon();
+        // Probabilities of deltas are sums of rounded terms.
+        let rounding = 64.0 * precision.epsilon();
         [1.0 - self.integral.value[0] - self.atom_mass(), self.integral.error[0] + rounding]
     }
 
@@ -267,6 +287,7 @@ impl Survey {
             atoms: vec![0; self.atoms.len()],
             weight: [0.0; 3],
             largest_weight: 0.0,
+            lowest_weight: 0.0,
             unusable: None,
         };
         draw(specimen, setting, claims.precision, &mut generator, samples, |_, scatter| {
@@ -277,6 +298,7 @@ impl Survey {
             for (sum, weight) in tally.weight.iter_mut().zip(scatter.weight) {
                 *sum += weight;
                 tally.largest_weight = tally.largest_weight.max(weight);
+                tally.lowest_weight = lower(tally.lowest_weight, weight);
             }
             if !scatter.wi.iter().chain(&scatter.weight).all(|x| x.is_finite()) {
                 tally.unusable.get_or_insert(scatter);

@@ -47,7 +47,7 @@ impl Witness {
     }
 }
 
-/// One comparison: it holds where `value <= limit`. NaN never holds.
+/// One comparison: it holds where `value <= limit`. NaN and infinities never hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Check {
     /// What was measured, in words, with its unit.
@@ -59,13 +59,13 @@ pub(crate) struct Check {
     pub(crate) samples: u64,
     /// Number of cells of a χ² table after pooling.
     pub(crate) cells: Option<usize>,
-    /// The evidence cannot carry a conclusion, unless it already contradicts.
-    pub(crate) inconclusive: bool,
+    /// Why the evidence cannot carry a conclusion, unless it already contradicts.
+    pub(crate) inconclusive: Option<&'static str>,
 }
 
 impl Check {
     pub(crate) fn new(what: &'static str, value: f64, limit: f64, witness: Witness) -> Self {
-        Self { what, value, limit, witness, samples: 0, cells: None, inconclusive: false }
+        Self { what, value, limit, witness, samples: 0, cells: None, inconclusive: None }
     }
 
     /// A p-value against its level, on the scale −log₁₀ p.
@@ -83,20 +83,24 @@ impl Check {
     }
 
     fn holds(&self) -> bool {
-        self.value <= self.limit
+        self.value.is_finite() && self.value <= self.limit
     }
 
-    /// How much of the limit is used up; above 1 is a violation.
     fn used(&self) -> f64 {
-        if self.value.is_nan() {
-            f64::INFINITY
-        } else if self.limit > 0.0 {
-            self.value / self.limit
-        } else if self.holds() {
-            0.0
-        } else {
-            f64::INFINITY
-        }
+        used(self.value, self.limit)
+    }
+}
+
+/// How much of a limit is used up; above 1 is a violation.
+fn used(value: f64, limit: f64) -> f64 {
+    if !value.is_finite() {
+        f64::INFINITY
+    } else if limit > 0.0 {
+        value / limit
+    } else if value <= limit {
+        0.0
+    } else {
+        f64::INFINITY
     }
 }
 
@@ -117,7 +121,7 @@ impl Ledger {
         self.samples += check.samples;
         self.violations += u64::from(!check.holds());
         self.least_cells = self.least_cells.into_iter().chain(check.cells).min();
-        if check.inconclusive {
+        if check.inconclusive.is_some() {
             self.inconclusive.get_or_insert(check);
         }
         if self.worst.is_none_or(|worst| check.used() > worst.used()) {
@@ -126,21 +130,26 @@ impl Ledger {
     }
 
     pub(crate) fn into_verdict(self, specimen: String, suite: Suite, run_seed: u64) -> Verdict {
-        let nothing =
-            Check { inconclusive: true, ..Check::new("no check was made", 0.0, 0.0, Witness::default()) };
-        let worst = self.worst.unwrap_or(nothing);
-        let (outcome, check) = match (worst.holds(), self.inconclusive) {
-            (false, _) => (Outcome::Violated, worst),
-            (true, Some(check)) => (Outcome::Inconclusive, check),
-            (true, None) if worst.inconclusive => (Outcome::Inconclusive, worst),
-            (true, None) => (Outcome::Holds, worst),
+        let nothing = Check {
+            inconclusive: Some("no check was made"),
+            ..Check::new("nothing", 0.0, 0.0, Witness::default())
+        };
+        let (outcome, check) = match (self.worst, self.inconclusive) {
+            (None, _) => (Outcome::Inconclusive, nothing),
+            (Some(worst), _) if self.violations > 0 => (Outcome::Violated, worst),
+            (Some(_), Some(check)) => (Outcome::Inconclusive, check),
+            (Some(worst), None) => (Outcome::Holds, worst),
+        };
+        let what = match (outcome, check.inconclusive) {
+            (Outcome::Inconclusive, Some(reason)) => format!("{reason}; {}", check.what),
+            _ => check.what.to_owned(),
         };
         Verdict {
             specimen,
             suite,
             outcome,
             waiver: None,
-            what: check.what.to_owned(),
+            what,
             value: check.value,
             limit: check.limit,
             checks: self.checks,
@@ -186,15 +195,24 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// The verdict under a waiver: the expected violation is accepted; anything else is a violation of the
-    /// waiver.
+    /// How much of its limit the most telling check used; above 1 is a violation.
+    pub fn used(&self) -> f64 {
+        used(self.value, self.limit)
+    }
+
+    /// The verdict under a waiver: the expected violation is accepted, a claim that holds violates the waiver.
     pub(crate) fn under_waiver(mut self, reason: &str) -> Self {
-        if self.outcome == Outcome::Violated {
-            self.outcome = Outcome::Holds;
-            self.waiver = Some(reason.to_owned());
-        } else {
-            self.what = format!("a waiver is no longer needed ({reason}); the suite finds: {}", self.what);
-            self.outcome = Outcome::Violated;
+        match self.outcome {
+            Outcome::Violated => {
+                self.outcome = Outcome::Holds;
+                self.waiver = Some(reason.to_owned());
+            }
+            Outcome::Holds => {
+                self.outcome = Outcome::Violated;
+                self.what =
+                    format!("a waiver is no longer needed ({reason}); the suite finds: {}", self.what);
+            }
+            Outcome::Inconclusive => {}
         }
         self
     }

@@ -321,7 +321,7 @@ mutants! {
     mirror_turns_what_it_reflects: Reciprocal, "way back", gold,
         Bug::Scatter(|scatter @ Scatter { wi: [x, y, z], .. }, _, _| Scatter { wi: [-y, x, z], ..scatter });
 
-    value_knows_the_azimuth: Isotropic, "f [1/sr] after a turn", white_paper,
+    value_knows_the_azimuth: Isotropic, "after a turn", white_paper,
         Bug::Eval(|f, _, wi| f * (1.0 + 0.01 * wi[0]));
 
     albedo_exceeds_one: Energy, "directional albedo", white_paper,

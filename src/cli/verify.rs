@@ -16,6 +16,9 @@ use super::{Failure, Format, General, Judgement, Run, print};
 pub(crate) struct Options {
     /// Lobes, specimens, or beginnings of their names; all unless given
     names: Vec<String>,
+    /// Only this suite; may be given several times. All unless given
+    #[arg(long = "suite", value_name = "NAME", value_parser = suite)]
+    suites: Vec<Suite>,
     #[command(flatten)]
     run: Run,
     #[command(flatten)]
@@ -23,6 +26,13 @@ pub(crate) struct Options {
     /// How to print
     #[arg(long, value_enum, default_value = "full")]
     format: Format,
+}
+
+fn suite(name: &str) -> Result<Suite, String> {
+    Suite::ALL.iter().copied().find(|suite| suite.name() == name).ok_or_else(|| {
+        let names: Vec<_> = Suite::ALL.iter().map(|suite| suite.name()).collect();
+        format!("choose one of {}", names.join(", "))
+    })
 }
 
 pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Failure> {
@@ -33,11 +43,12 @@ pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Fail
         print(&format!("run seed {}\n", plan.run_seed));
     }
     let progress = Progress::new(specimens.len(), general);
-    let verdicts = verify(&specimens, &plan, &|_| progress.finished());
+    let suites = if options.suites.is_empty() { Suite::ALL } else { &options.suites };
+    let verdicts = verify(&specimens, suites, &plan, &|_| progress.finished());
     drop(progress);
     print(&match options.format {
         Format::Json => verdicts_json(&plan, &verdicts)?,
-        Format::Full => full(&specimens, &plan, &verdicts)?,
+        Format::Full => full(&specimens, suites, &plan, &verdicts)?,
     });
     Ok(options.judgement.exit_code(&verdicts))
 }
@@ -85,16 +96,17 @@ fn select(names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure> {
 
 fn full(
     specimens: &[Box<dyn Specimen>],
+    suites: &[Suite],
     plan: &Plan,
     verdicts: &[Verdict],
 ) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     let width = specimens.iter().map(|specimen| specimen.name().len()).max().unwrap_or(0);
-    let header: Vec<_> = Suite::ALL.iter().map(|suite| format!("{:<11}", suite.name())).collect();
+    let header: Vec<_> = suites.iter().map(|suite| format!("{:<11}", suite.name())).collect();
     writeln!(text, "{:<width$}  {}", "", header.join("").trim_end())?;
     for specimen in specimens {
         let name = specimen.name();
-        let cells = Suite::ALL.iter().map(|&suite| {
+        let cells = suites.iter().map(|&suite| {
             let verdict = verdicts.iter().find(|verdict| verdict.specimen == name && verdict.suite == suite);
             let cell = match verdict.map(|verdict| verdict.outcome) {
                 None => "-",

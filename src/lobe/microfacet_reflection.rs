@@ -102,7 +102,7 @@ impl<F: Real> Bxdf<F> for MicrofacetReflection<F> {
         let (pdf, g2_over_g1) = self.distribution.reflection_sample(wo, wi, wm);
         Some(BxdfSample {
             wi: wi * sign,
-            weight: fresnel.reflectance(wo.dot(wm)) * g2_over_g1,
+            weight: fresnel.reflectance(wo.dot(wm).max(F::ZERO)) * g2_over_g1,
             pdf: Pdf::SolidAngle(pdf),
             eta: F::ONE,
         })

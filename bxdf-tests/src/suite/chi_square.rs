@@ -3,12 +3,16 @@
 
 use super::{Examination, PValue, Surveyed};
 use crate::binning::RESOLUTIONS;
-use crate::statistics::{ln_pearson_tail, ln_poisson_upper_tail};
+use crate::statistics::{ln_binomial_two_sided, ln_pearson_tail, ln_poisson_upper_tail};
 use crate::survey::{Survey, Tally};
 use crate::verdict::{Check, Ledger};
 
 /// Expected count below which cells are pooled.
 const POOLED_BELOW: f64 = 5.0;
+/// Tables of fewer pools are judged cell by cell.
+const FEW_POOLS: usize = 8;
+/// Cells at the finest resolution below which χ² sees nothing of a continuous lobe.
+const LEAST_CELLS: usize = 16;
 /// Error of the expected count, squared and in units of its variance, above which cells are pooled.
 const POOLED_ABOVE: f64 = 0.25;
 /// The error of the expected counts may reach this fraction of the statistic's standard deviation.
@@ -22,13 +26,14 @@ const WHAT: [&str; RESOLUTIONS] = [
 
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     for surveyed in examination.surveys() {
-        if let Some(scatter) = surveyed.tally.unusable {
+        examination
+            .judge(surveyed, ledger, |Surveyed { survey, tally, .. }| tails(examination, survey, tally));
+        let second = surveyed.second.get().and_then(|second| second.tally.unusable);
+        if let Some(scatter) = surveyed.tally.unusable.or(second) {
             let what = "a sample that is not a direction with a weight";
             let witness = surveyed.setting.witness().with_wi(scatter.wi);
             ledger.record(Check::new(what, f64::NAN, 0.0, witness));
         }
-        examination
-            .judge(surveyed, ledger, |Surveyed { survey, tally, .. }| tails(examination, survey, tally));
     }
 }
 
@@ -59,8 +64,15 @@ fn tails(examination: &Examination<'_>, survey: &Survey, tally: &Tally) -> Vec<P
             if level == RESOLUTIONS - 1 {
                 rare = rows.iter().copied().filter(|row| samples * row.probability < POOLED_BELOW).collect();
             }
-            let Pearson { ln_p, cells, inconclusive } = pearson(rows, samples);
-            let cells = (level == RESOLUTIONS - 1).then_some(cells);
+            let Pearson { ln_p, cells, is_uncertain } = pearson(rows, samples);
+            let is_finest = level == RESOLUTIONS - 1;
+            let is_blind = is_finest && cells < LEAST_CELLS && survey.integral.value[0] > 0.01;
+            let inconclusive = match (is_uncertain, is_blind) {
+                (true, _) => Some("the expected counts are too uncertain"),
+                (_, true) => Some("the lobe is narrower than the cells that its precision can tell apart"),
+                _ => None,
+            };
+            let cells = is_finest.then_some(cells);
             PValue { what: WHAT[level], ln_p, samples: tally.samples, cells, inconclusive }
         })
         .collect();
@@ -73,7 +85,7 @@ fn tails(examination: &Examination<'_>, survey: &Survey, tally: &Tally) -> Vec<P
         ln_p: (surprise + (rare.len().max(1) as f64).ln()).min(0.0),
         samples: 0,
         cells: None,
-        inconclusive: false,
+        inconclusive: None,
     });
     tails
 }
@@ -120,12 +132,12 @@ struct Pearson {
     /// Rows after pooling.
     cells: usize,
     /// The expected counts are too uncertain for a conclusion.
-    inconclusive: bool,
+    is_uncertain: bool,
 }
 
 fn pearson(mut rows: Vec<Row>, samples: f64) -> Pearson {
     if rows.iter().any(|row| row.probability.is_nan()) {
-        return Pearson { ln_p: f64::NAN, cells: 0, inconclusive: false };
+        return Pearson { ln_p: f64::NAN, cells: 0, is_uncertain: false };
     }
     // Pooled by expectation and its error, never by what was observed.
     rows.sort_by(|a, b| a.probability.total_cmp(&b.probability));
@@ -146,6 +158,18 @@ fn pearson(mut rows: Vec<Row>, samples: f64) -> Pearson {
     {
         neighbour.add(last);
     }
+    if pools.len() < FEW_POOLS {
+        // Two moments do not describe the tail of so few cells; each is counted exactly instead.
+        let least = pools
+            .iter()
+            .map(|Row { probability, error, observed }| {
+                let (low, high) = (probability - error, probability + error);
+                ln_binomial_two_sided(*observed, samples as u64, low, high)
+            })
+            .fold(0.0, f64::min);
+        let ln_p = (least + (pools.len() as f64).ln()).min(0.0);
+        return Pearson { ln_p, cells: pools.len(), is_uncertain: false };
+    }
     let total: f64 = pools.iter().map(|pool| pool.probability).sum();
     let probabilities: Vec<f64> = pools.iter().map(|pool| pool.probability / total).collect();
     let statistic: f64 = pools
@@ -161,7 +185,7 @@ fn pearson(mut rows: Vec<Row>, samples: f64) -> Pearson {
     Pearson {
         ln_p: ln_pearson_tail(least, &probabilities, samples),
         cells: pools.len(),
-        inconclusive: quadrature > TOLERATED * deviation,
+        is_uncertain: quadrature > TOLERATED * deviation,
     }
 }
 
@@ -181,15 +205,25 @@ mod tests {
         let dropped = pearson(vec![row(0.5, 490), row(0.5, 490)], 1000.0).ln_p;
         assert!(merged > dropped - 5.0);
         let all = pearson(vec![row(0.98, 940), row(0.02, 60)], 1000.0).ln_p;
-        assert!(all < -30.0, "{all}");
+        assert!(all < -25.0, "{all}");
     }
 
     #[test]
     fn uncertain_expectations_are_inconclusive_and_never_a_violation() {
-        let sure = vec![row(0.5, 5300), row(0.5, 4700)];
-        let unsure = vec![Row { error: 0.03, ..row(0.5, 5300) }, Row { error: 0.03, ..row(0.5, 4700) }];
-        assert!(pearson(sure, 1e4).ln_p < -15.0);
-        let Pearson { ln_p, inconclusive, .. } = pearson(unsure, 1e4);
-        assert!(ln_p > -1.0 && inconclusive);
+        let table = |first: u64, error| {
+            (0..10).map(|i| Row { error, ..row(0.1, if i == 0 { first } else { (10_000 - first) / 9 }) }).collect()
+        };
+        assert!(pearson(table(1300, 0.0), 1e4).ln_p < -15.0);
+        let Pearson { ln_p, is_uncertain, .. } = pearson(table(1100, 0.0014), 1e4);
+        assert!(ln_p > -1.0 && is_uncertain, "{ln_p}");
+        let Pearson { ln_p, is_uncertain, .. } = pearson(table(1300, 0.0001), 1e4);
+        assert!(ln_p < -15.0 && !is_uncertain, "{ln_p}");
+    }
+
+    #[test]
+    fn few_cells_are_counted_exactly() {
+        // P(X ≥ 17), X ~ Binomial(1e5, 5e-5), is 2.0e-5; doubled for two sides and for two cells.
+        let few = pearson(vec![row(5e-5, 17), row(1.0 - 5e-5, 99_983)], 1e5).ln_p.exp();
+        assert!((few - 7.94e-5).abs() < 1e-6, "{few:e}");
     }
 }

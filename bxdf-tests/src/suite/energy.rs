@@ -11,6 +11,9 @@ use crate::verdict::{Check, Ledger};
 /// hide more than that, and the verdict says so.
 const WORST_REACH: f64 = 0.1;
 
+/// Error of the albedo above which nothing is said about it.
+const WORST_ERROR: f64 = 0.01;
+
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     let claims = &examination.claims;
     let level = examination.plan.ln_level();
@@ -24,7 +27,10 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
             let Albedo { value, error } = surveyed.survey.albedo();
             for (albedo, error) in value.into_iter().zip(error) {
                 let (error, witness) = (error + rounding, setting.witness());
-                ledger.record(Check::new("directional albedo above 1", albedo - 1.0, error, witness));
+                let mut above = Check::new("directional albedo above 1", albedo - 1.0, error, witness);
+                above.inconclusive =
+                    (error > WORST_ERROR).then_some("the integral of f cos does not converge");
+                ledger.record(above);
                 if energy == Energy::Lossless && (claims.two_sided || setting.wo[2] > 0.0) {
                     let loss = 1.0 - albedo;
                     ledger.record(Check::new("energy lost by a lossless specimen", loss, error, witness));
@@ -40,7 +46,9 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
                 let (albedo, error) = (surveyed.value[channel], surveyed.error[channel] + rounding);
                 let mean = tally.weight[channel] / samples;
                 let difference = ((mean - albedo).abs() - error).max(0.0);
-                let second_moment = survey.integral.value[4 + channel] + survey.atom_moment(channel, 2);
+                let second_moment = survey.integral.value[4 + channel]
+                    + survey.integral.error[4 + channel]
+                    + survey.atom_moment(channel, 2);
                 let deviation = (second_moment - albedo * albedo).max(0.0).sqrt();
                 let ln_p = if mean.is_nan() || albedo.is_nan() {
                     f64::NAN
@@ -53,7 +61,8 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
                     ln_p,
                     samples: tally.samples,
                     cells: None,
-                    inconclusive: reach > WORST_REACH * albedo.max(0.1),
+                    inconclusive: (reach > WORST_REACH * albedo.max(0.1))
+                        .then_some("weights are so uneven that the samples hide a tenth of the albedo"),
                 }
             };
             (0..3).map(p_value).collect()

@@ -1,6 +1,6 @@
 //! Values, densities and weights are finite and not negative, at the edges of the domain above all.
 
-use super::{Examination, length};
+use super::{Examination, Surveyed, length};
 use crate::Precision;
 use crate::plan::{AZIMUTHS, POLAR_DEG, direction};
 use crate::specimen::{Direction, Measure, Transport};
@@ -10,7 +10,7 @@ use crate::verdict::{Check, Ledger, Witness};
 const COSINES: [f64; 12] =
     [1.0, 1.0 - 1e-15, 1.0 - 1e-7, 0.5, 1e-2, 1e-4, 1e-8, 1e-15, 1e-25, 1.2e-38, 1e-300, 0.0];
 
-fn edge_directions() -> Vec<Direction> {
+fn edge_directions(precision: Precision) -> Vec<Direction> {
     let mut directions: Vec<_> = POLAR_DEG
         .iter()
         .flat_map(|&polar| AZIMUTHS[1..].iter().map(move |&phi| direction(polar, phi)))
@@ -21,7 +21,11 @@ fn edge_directions() -> Vec<Direction> {
     }
     let below: Vec<_> = directions.iter().map(|&[x, y, z]| [-x, y, -z]).collect();
     directions.extend(below);
-    directions
+    // Rounded here: what is above in double precision may lie in the tangent plane in single.
+    match precision {
+        Precision::F32 => directions.into_iter().map(|w| w.map(|x| f64::from(x as f32))).collect(),
+        Precision::F64 => directions,
+    }
 }
 
 /// Uniforms at and near both ends, exact in the precision of the specimen.
@@ -35,9 +39,16 @@ fn edge_uniforms(precision: Precision) -> Vec<f64> {
 }
 
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
+    // Inside the domain: every node of the cubature and every counted sample.
+    for Surveyed { setting, survey, tally, .. } in examination.surveys() {
+        let what = "f, pdf [1/sr] or weight anywhere inside is finite and not negative";
+        for lowest in [survey.lowest, tally.lowest_weight] {
+            ledger.record(not_negative(what, lowest, setting.witness()));
+        }
+    }
     let (specimen, claims) = (examination.specimen, &examination.claims);
     let epsilon = claims.precision.epsilon();
-    let edges = edge_directions();
+    let edges = edge_directions(claims.precision);
     let uniforms = edge_uniforms(claims.precision);
     for transport in [Transport::Radiance, Transport::Importance] {
         for &wo in &edges {

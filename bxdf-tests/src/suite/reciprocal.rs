@@ -94,21 +94,20 @@ fn compare_delta(
         Transport::Importance => Transport::Radiance,
     };
     let back = |wo: Direction| way_back(examination, wo, setting.wo, backward, uniforms);
-    let Some(reverse) = back(forth.wi) else {
-        ledger.record(Check::new("a delta has no way back", f64::NAN, 0.0, witness));
-        return;
-    };
-    // The way back starts at a rounded direction, which near the critical angle or at grazing incidence matters.
-    let distance = |w: Direction| back(w).map_or(f64::NAN, |scatter| distance(scatter.wi, setting.wo));
-    let missed = distance(forth.wi);
-    let allowed = examination.rounding_error(forth.wi, missed, distance)
-        + 16.0 * examination.claims.precision.epsilon();
-    let what = "distance of a delta's way back from where it came";
-    ledger.record(Check::new(what, missed, allowed, witness));
+    // The way back starts at a rounded direction. Near the critical angle rounding can close it, which is right if a
+    // move of the direction opens it again; at grazing incidence it leads elsewhere.
+    let here = back(forth.wi).map_or([0.0; 3], |reverse| power(&reverse, backward));
+    if let Some(reverse) = back(forth.wi) {
+        let miss = |w: Direction| back(w).map_or(f64::INFINITY, |scatter| distance(scatter.wi, setting.wo));
+        let missed = distance(reverse.wi, setting.wo);
+        let epsilon = examination.claims.precision.epsilon();
+        let allowed = examination.rounding_error(forth.wi, missed, miss) + 16.0 * epsilon;
+        let what = "distance of a delta's way back from where it came";
+        ledger.record(Check::new(what, missed, allowed, witness));
+    }
     let there = power(forth, setting.transport);
-    let here = power(&reverse, backward);
     for channel in 0..3 {
-        let value = |w: Direction| back(w).map_or(f64::NAN, |scatter| power(&scatter, backward)[channel]);
+        let value = |w: Direction| back(w).map_or(0.0, |scatter| power(&scatter, backward)[channel]);
         let allowed = examination.rounding_error(forth.wi, here[channel], value);
         let what = "power of a delta against its way back in the other transport mode";
         ledger.record(Check::new(what, (there[channel] - here[channel]).abs(), allowed, witness));
@@ -139,7 +138,7 @@ fn way_back(
         .map(|i| f64::from(i) / 64.0)
         .chain([last, uc])
         .filter_map(|uc| examination.specimen.sample(wo, [uc, u0, u1], transport))
-        .filter(|scatter| matches!(scatter.density, Measure::Discrete(_)))
+        .filter(|scatter| matches!(scatter.density, Measure::Discrete(_)) && scatter.wi[2] * target[2] > 0.0)
         .min_by(|a, b| distance(a.wi, target).total_cmp(&distance(b.wi, target)))
 }
 
