@@ -10,7 +10,7 @@ mod progress;
 mod report;
 mod verify;
 
-use std::io::Write as _;
+use std::io::{ErrorKind, Write as _};
 use std::process::ExitCode;
 
 use bxdf_tests::{Outcome, Verdict};
@@ -75,9 +75,14 @@ pub(crate) struct Run {
 }
 
 fn samples(text: &str) -> Result<usize, String> {
-    let range = 1_000..=1_000_000_000;
+    // Numbers in single precision have 24 bits: more samples would see the grid that they lie on.
+    let range = 1_000..=1 << 24;
     let number: usize = text.parse().map_err(|_| format!("`{text}` is not a whole number"))?;
-    if range.contains(&number) { Ok(number) } else { Err(format!("{number} is not in 1000 to 1000000000")) }
+    if range.contains(&number) {
+        Ok(number)
+    } else {
+        Err(format!("{number} is not in 1000 to {}", range.end()))
+    }
 }
 
 /// What verdicts make of the exit code.
@@ -124,28 +129,36 @@ gonio help VERB explains the options of a verb.
 ";
 
 /// Prints to standard output; a reader that went away (`gonio list | head`) is not an error.
-pub(crate) fn print(text: &str) {
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(format!("cannot write the result: {error}").into())
+        }
+        _ => Ok(()),
+    }
 }
 
 pub(crate) fn run() -> ExitCode {
     let cli = Cli::parse();
-    let Some(verb) = cli.verb else {
-        print(CHEAT_SHEET);
-        return ExitCode::SUCCESS;
-    };
-    let result = configure_threads(&cli.general).and_then(|()| match verb {
-        Verb::List(options) => list::run(&options),
-        Verb::Verify(options) => verify::run(&options, &cli.general),
-        Verb::Plot(kind) => plot::run(&kind),
-        Verb::Ior(verb) => ior::run(&verb),
-        Verb::Report(options) => report::run(&options, &cli.general),
+    let result = configure_threads(&cli.general).and_then(|()| match cli.verb {
+        None => print(CHEAT_SHEET).map(|()| ExitCode::SUCCESS),
+        Some(verb) => run_verb(verb, &cli.general),
     });
     result.unwrap_or_else(|failure| {
         eprintln!("error: {failure}");
         ExitCode::from(2)
     })
+}
+
+fn run_verb(verb: Verb, general: &General) -> Result<ExitCode, Failure> {
+    match verb {
+        Verb::List(options) => list::run(&options),
+        Verb::Verify(options) => verify::run(&options, general),
+        Verb::Plot(kind) => plot::run(&kind),
+        Verb::Ior(verb) => ior::run(&verb),
+        Verb::Report(options) => report::run(&options, general),
+    }
 }
 
 fn configure_threads(general: &General) -> Result<(), Failure> {

@@ -20,7 +20,7 @@ mod embedded {
     include!(concat!(env!("OUT_DIR"), "/reference_data.rs"));
 }
 
-/// Complex index of refraction at one wavelength, relative to vacuum.
+/// Complex index of refraction at one wavelength, relative to vacuum (or to air, where the source is).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ComplexIndex {
     /// Real part.
@@ -58,7 +58,7 @@ pub struct Provenance {
     pub database_version: String,
     /// Licence of the figures.
     pub licence: String,
-    /// How far published sets agree: A within 0.02 of reflectance, B within 0.1, C further apart, S single source.
+    /// How far published sets agree, as reference-data/README.md defines it: A, B, C, or S for a single source.
     pub grade: String,
     /// What a user must know.
     pub note: String,
@@ -148,7 +148,7 @@ pub fn builtin(name: &str) -> Result<Table, IorError> {
 
 /// The table of a file if `name` ends in `.csv`, otherwise the embedded table of that name.
 pub fn load(name: &str) -> Result<Table, IorError> {
-    if name.ends_with(".csv") { Table::read_file(name.as_ref()) } else { builtin(name) }
+    if name.to_ascii_lowercase().ends_with(".csv") { Table::read_file(name.as_ref()) } else { builtin(name) }
 }
 
 fn embedded_table(provenance: &Provenance) -> Result<Table, IorError> {

@@ -6,7 +6,7 @@
 //! which knows nothing of this crate; [`specimen`] is the door between the two.
 //!
 //! # Floors
-//! Each module uses only modules of the floors below its own. Start reading at [`bxdf`].
+//! Each module uses only modules of its own floor or below, without cycles. Start reading at [`bxdf`].
 //!
 //! | floor | modules |
 //! |---|---|

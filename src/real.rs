@@ -9,7 +9,8 @@ use crate::special;
 ///
 /// Transcendental functions come from the pure-Rust `libm` crate, not from the platform's C library: the
 /// latter picks implementations by CPU feature, and the same sample would then have other bits on
-/// another machine. Square roots and the four operations are exactly rounded everywhere.
+/// another machine. Square roots and the four operations are exactly rounded everywhere. The one exception is the
+/// inverse error function, whose tails `statrs` computes with the platform's logarithm.
 pub trait Real:
     Copy
     + Debug

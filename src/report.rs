@@ -38,6 +38,14 @@ pub enum ReportError {
     /// Optical constants are missing.
     #[error(transparent)]
     Ior(#[from] IorError),
+    /// More curves than can be told apart.
+    #[error("{given} data sets given: more than {most} cannot be told apart")]
+    TooManyCurves {
+        /// How many were given.
+        given: usize,
+        /// How many there may be.
+        most: usize,
+    },
     /// A chart cannot be drawn.
     #[error("cannot draw {0}: {1}")]
     Drawing(&'static str, String),
@@ -103,7 +111,7 @@ impl Report {
         let files = vec![
             ("index.html", page),
             ("fresnel.svg", svg),
-            ("fresnel.csv", figure.csv()),
+            ("fresnel.csv", figure.csv()?),
             ("verdicts.json", verdicts_json(plan, &verdicts)?),
         ];
         Ok(Self { files, verdicts })

@@ -71,9 +71,9 @@ impl<F: Real> bxdf_tests::Specimen for LobeSpecimen<F> {
         match &self.lobe {
             Lobe::Lambertian(_) => Claims { two_sided: true, ..reflector },
             Lobe::ConductorSpecular(_) => Claims { boundary, ..reflector },
-            Lobe::DielectricSpecular(_) => Claims {
+            Lobe::DielectricSpecular(lobe) => Claims {
                 two_sided: true,
-                transmits: true,
+                transmits: lobe.flags().transmits,
                 energy: Some(Energy::Lossless),
                 boundary,
                 ..reflector

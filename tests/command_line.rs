@@ -1,5 +1,7 @@
 //! The command line as a user meets it: results, messages, exit codes.
 
+#![allow(clippy::unwrap_used, reason = "the helpers of tests may panic as tests do")]
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -58,7 +60,7 @@ fn values_out_of_range_are_named() {
     assert!(refused(&["verify", "--seed", "x"]).contains("--seed"));
     assert!(refused(&["verify", "--suite", "chi"]).contains("choose one of finite, normalised"));
     assert!(refused(&["list", "--threads", "0"]).contains("--threads must be at least 1"));
-    let seven = ["plot", "fresnel", "a", "b", "c", "d", "e", "f", "g"];
+    let seven = ["plot", "fresnel", "air", "ice/Warren-1984", "mercury", "sf11", "n_sf11", "n_bk7", "cobalt"];
     assert!(refused(&seven).contains("7 data sets given"));
     assert!(refused(&["plot", "fresnel", "-o", "figure.png"]).contains("ending in .svg"));
     assert!(refused(&["plot", "fresnel", "-o", "nowhere/figure.svg"]).contains("nowhere/figure.svg"));
@@ -74,6 +76,11 @@ fn a_bad_table_is_named_by_file_line_and_value_and_overwrites_nothing() {
     let message = text(&output.stderr);
     assert!(message.contains("mine.csv:3: wavelength 390 nm follows 400 nm"), "{message}");
     assert_eq!(fs::read_to_string(folder.path().join("fresnel.svg")).unwrap(), "precious");
+    fs::write(folder.path().join("two.csv"), "wavelength_nm,eta,k\n500,1.5,0\n700,1.5,0\n").unwrap();
+    let output = gonio(folder.path(), &["plot", "fresnel", "two.csv", "-o", "two.svg"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("would overwrite two.csv"));
+    assert!(fs::read_to_string(folder.path().join("two.csv")).unwrap().contains("500,1.5,0"));
     assert!(refused(&["ior", "show", "missing.csv"]).contains("missing.csv: "));
 }
 

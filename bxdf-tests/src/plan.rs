@@ -6,7 +6,7 @@ use crate::verdict::Witness;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-/// The probability that a run over correct specimens reports any violation at all.
+/// The probability, at most, that the statistical checks of a run over correct specimens report any violation.
 pub const FAMILY_ERROR_RATE: f64 = 1e-6;
 
 /// Statistical checks per pair of direction and transport mode: χ² at three resolutions, its
@@ -93,17 +93,21 @@ impl Plan {
     }
 }
 
-/// The seed of a test run: `BXDF_TESTS_SEED` if that is set to a number, otherwise another one each time.
+/// The seed of a test run: `BXDF_TESTS_SEED` if that is set, otherwise another one each time.
 ///
 /// No seed stands in a test, so none can be picked until the test is green; every verdict prints the seed.
+///
+/// # Panics
+/// If `BXDF_TESTS_SEED` is not a whole number: another seed than the one asked for would be worse.
+#[expect(clippy::panic, reason = "a setting of the tests that cannot be meant")]
 pub fn run_seed() -> u64 {
-    let given = std::env::var("BXDF_TESTS_SEED").ok().and_then(|text| text.parse().ok());
-    given.unwrap_or_else(|| {
-        let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-        let nanoseconds = now.map_or(0, |duration| duration.as_nanos());
-        // Short enough to type again.
-        (fnv1a(&format!("{nanoseconds} {}", std::process::id())) % 1_000_000_000) as u64
-    })
+    if let Ok(text) = std::env::var("BXDF_TESTS_SEED") {
+        return text.parse().unwrap_or_else(|_| panic!("BXDF_TESTS_SEED is `{text}`, not a whole number"));
+    }
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    let nanoseconds = now.map_or(0, |duration| duration.as_nanos());
+    // Short enough to type again.
+    (fnv1a(&format!("{nanoseconds} {}", std::process::id())) % 1_000_000_000) as u64
 }
 
 /// The 128-bit Fowler–Noll–Vo hash (1a): the standard library's hash may change between releases.

@@ -133,8 +133,6 @@ impl<const N: usize> Integral<N> {
 pub(crate) struct Effort {
     /// Absolute error that is small enough, for each of the leading integrals that count.
     pub(crate) absolute: f64,
-    /// The same, as a fraction of the integral.
-    pub(crate) relative: f64,
     /// How many of the leading integrals must meet it.
     pub(crate) leading: usize,
     /// The largest number of rectangles, unless more are given.
@@ -259,7 +257,7 @@ fn largest<const N: usize>(pieces: &[Piece<N>], leading: usize) -> Option<usize>
 
 fn is_enough<const N: usize>(total: &Integral<N>, effort: Effort) -> bool {
     // NaN is as good as it gets: no further effort would mend it.
-    !(0..effort.leading).any(|i| total.error[i] > effort.absolute.max(effort.relative * total.value[i].abs()))
+    !(0..effort.leading).any(|i| total.error[i] > effort.absolute)
 }
 
 #[cfg(test)]
@@ -278,7 +276,7 @@ mod tests {
         })
     }
 
-    const EFFORT: Effort = Effort { absolute: 1e-10, relative: 0.0, leading: 1, rectangles: 2000 };
+    const EFFORT: Effort = Effort { absolute: 1e-10, leading: 1, rectangles: 2000 };
 
     #[test]
     fn polynomials_are_exact_without_refinement() {

@@ -20,7 +20,7 @@ pub enum Transport {
 pub enum Measure {
     /// A density over solid angle \[sr⁻¹\].
     SolidAngle(f64),
-    /// The probability of a Dirac delta.
+    /// The probability of a Dirac delta; of all of them together where components share a direction.
     Discrete(f64),
 }
 

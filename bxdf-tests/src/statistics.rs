@@ -42,7 +42,7 @@ pub(crate) fn ln_gamma_q(a: f64, x: f64) -> f64 {
 /// probabilities is at least `statistic`.
 ///
 /// A gamma distribution with the exact first two moments of the statistic: mean k − 1 and variance
-/// 2(k − 1) + (Σ 1/pᵢ − k² − 2k + 2) / N. The plain χ² tail is up to 28 times too heavy with rare cells.
+/// 2(k − 1) + (Σ 1/pᵢ − k² − 2k + 2) / N. With rare cells the plain χ² tail is too light and raises up to 28 times too many alarms.
 pub(crate) fn ln_pearson_tail(statistic: f64, probabilities: &[f64], samples: f64) -> f64 {
     let k = probabilities.len() as f64;
     if k < 2.0 {

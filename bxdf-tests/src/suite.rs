@@ -63,7 +63,7 @@ suites! {
     Normalised normalised: "∫ pdf + Σ delta masses + P(no sample) = 1", if always;
     ChiSquare chi_square: "samples follow the pdf, the deltas and the rate of no sample", if always;
     Weight weight: "weight · pdf = f · |cos θi|, and the reported density is the pdf", if always;
-    Reciprocal reciprocal: "f(wo, wi) = f(wi, wo), with η² across a boundary", if |claims: &Claims| claims.reciprocal;
+    Reciprocal reciprocal: "f(wo, wi) = f(wi, wo); across a boundary what importance carries forth radiance carries back", if |claims: &Claims| claims.reciprocal;
     Isotropic isotropic: "turning both directions about the normal changes nothing", if |claims: &Claims| claims.isotropic;
     Energy energy: "no more energy leaves than arrives; two estimates of the albedo agree", if always;
     Fresnel fresnel: "reflectance is that of exact complex Snell refraction", if |claims: &Claims| claims.boundary.is_some();
@@ -191,7 +191,9 @@ impl<'a> Examination<'a> {
                 _ => (first, first.ln_p),
             };
             let witness = surveyed.setting.witness();
-            let check = Check::p_value(p.what, ln_p, level, p.samples, witness);
+            // All p-values of a setting rest on the same samples.
+            let samples = if i == 0 { p.samples } else { 0 };
+            let check = Check::p_value(p.what, ln_p, level, samples, witness);
             ledger.record(Check { cells: p.cells, inconclusive: p.inconclusive, ..check });
         }
     }

@@ -213,7 +213,7 @@ impl Survey {
             Precision::F32 => (1e-6, 32),
             Precision::F64 => (1e-9, 200),
         };
-        let effort = Effort { absolute, relative: 0.0, leading: 4, rectangles };
+        let effort = Effort { absolute, leading: 4, rectangles };
         let mut directions = vec![[0.0; 3]; NODES * NODES];
         let mut densities = vec![0.0; NODES * NODES];
         let mut values = vec![[0.0; 3]; NODES * NODES];

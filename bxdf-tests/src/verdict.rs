@@ -183,7 +183,7 @@ pub struct Verdict {
     pub checks: u64,
     /// How many of them contradict the claim.
     pub violations: u64,
-    /// How many random samples were drawn for them.
+    /// How many random samples they rest on; several suites share the same samples.
     pub samples: u64,
     /// Cells of the smallest χ² table at the finest resolution, after pooling: how much the suite could see.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use gonio::fresnel::normal_incidence;
 use gonio::ior::{FittedRgb, Illuminant, IorError, Provenance, Table, builtin, load, provenances};
+use gonio::parameter::did_you_mean;
 use serde::Serialize;
 
 use super::{Failure, Format, print};
@@ -43,7 +44,7 @@ pub(crate) fn run(verb: &Verb) -> Result<ExitCode, Failure> {
         Verb::List { format } => list(*format)?,
         Verb::Show { table, wavelength_nm, format } => show(&load(table)?, *wavelength_nm, *format)?,
         Verb::Compare { material, format } => compare(material, *format)?,
-    });
+    })?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -176,9 +177,9 @@ fn compare(material: &str, format: Format) -> Result<String, Failure> {
     if chosen.is_empty() {
         let mut materials: Vec<String> = all.iter().map(|provenance| folder(&provenance.table)).collect();
         materials.dedup();
-        return Err(
-            format!("no material is named `{material}`; choose one of {}", materials.join(", ")).into()
-        );
+        let hint = did_you_mean(material, materials.iter().map(String::as_str));
+        let known = materials.join(", ");
+        return Err(format!("no material is named `{material}`{hint}; choose one of {known}").into());
     }
     let mut rows = Vec::new();
     for provenance in chosen {

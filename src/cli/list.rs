@@ -52,7 +52,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         Format::Json => serde_json::to_string_pretty(&lists)? + "\n",
         Format::Full => full(&lists)?,
     };
-    print(&text);
+    print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 

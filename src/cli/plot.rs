@@ -1,6 +1,6 @@
 //! `gonio plot`: one figure with its numbers.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use gonio::ior::{Table, load};
@@ -31,24 +31,29 @@ pub(crate) fn run(Kind::Fresnel(options): &Kind) -> Result<ExitCode, Failure> {
         let path = options.output.display();
         return Err(format!("--output {path}: expected a file name ending in .svg").into());
     }
-    if options.tables.len() > FresnelFigure::MOST_CURVES {
-        let most = FresnelFigure::MOST_CURVES;
-        return Err(format!(
-            "{} data sets given: more than {most} cannot be told apart",
-            options.tables.len()
-        )
-        .into());
-    }
     let names: Vec<&str> = if options.tables.is_empty() {
         FIGURE_5.to_vec()
     } else {
         options.tables.iter().map(String::as_str).collect()
     };
+    let csv = options.output.with_extension("csv");
+    if let Some(name) = names.iter().find(|name| is_same_file(name.as_ref(), &csv)) {
+        return Err(
+            format!("the numbers of the figure would overwrite {name}; choose another --output").into()
+        );
+    }
     let tables: Vec<Table> = names.into_iter().map(load).collect::<Result<_, _>>()?;
     let figure = FresnelFigure::new(&tables, options.wavelength_nm)?;
-    let csv = options.output.with_extension("csv");
     write_file(&options.output, &figure.svg()?)?;
-    write_file(&csv, &figure.csv())?;
-    print(&format!("{}\n{}\n{}\n", options.output.display(), csv.display(), figure.caption()));
+    write_file(&csv, &figure.csv()?)?;
+    print(&format!("{}\n{}\n{}\n", options.output.display(), csv.display(), figure.caption()))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Whether two paths lead to one existing file.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    }
 }

@@ -36,18 +36,18 @@ pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Fail
     drop(progress);
     let violated = report.verdicts.iter().filter(|verdict| verdict.outcome == Outcome::Violated);
     for verdict in violated {
-        print(&format!("{verdict}\n\n"));
+        print(&format!("{verdict}\n\n"))?;
     }
     if options.check {
         let differences = report.compare(&options.output);
         for difference in &differences {
-            print(&format!("{difference}\n"));
+            print(&format!("{difference}\n"))?;
         }
         if !differences.is_empty() {
             eprintln!("the report is not what would be written; `gonio report` writes it anew");
             return Ok(ExitCode::from(1));
         }
-        print(&format!("{} is as it would be written\n", options.output.display()));
+        print(&format!("{} is as it would be written\n", options.output.display()))?;
     } else {
         report.write(&options.output)?;
         let count = |outcome| report.verdicts.iter().filter(|verdict| verdict.outcome == outcome).count();
@@ -58,7 +58,7 @@ pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Fail
             count(Outcome::Violated),
             count(Outcome::Inconclusive),
             options.output.join("index.html").display()
-        ));
+        ))?;
     }
     Ok(options.judgement.exit_code(&report.verdicts))
 }

@@ -40,7 +40,7 @@ pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Fail
     let mut plan = Plan::new(options.run.seed, specimens.iter().map(|specimen| &**specimen));
     plan.samples = options.run.samples;
     if options.format == Format::Full {
-        print(&format!("run seed {}\n", plan.run_seed));
+        print(&format!("run seed {}\n", plan.run_seed))?;
     }
     let progress = Progress::new(specimens.len(), general);
     let suites = if options.suites.is_empty() { Suite::ALL } else { &options.suites };
@@ -49,7 +49,7 @@ pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Fail
     print(&match options.format {
         Format::Json => verdicts_json(&plan, &verdicts)?,
         Format::Full => full(&specimens, suites, &plan, &verdicts)?,
-    });
+    })?;
     Ok(options.judgement.exit_code(&verdicts))
 }
 
@@ -102,7 +102,7 @@ fn full(
 ) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     let width = specimens.iter().map(|specimen| specimen.name().len()).max().unwrap_or(0);
-    let header: Vec<_> = suites.iter().map(|suite| format!("{:<11}", suite.name())).collect();
+    let header: Vec<_> = suites.iter().map(|suite| format!("{:<13}", suite.name())).collect();
     writeln!(text, "{:<width$}  {}", "", header.join("").trim_end())?;
     for specimen in specimens {
         let name = specimen.name();
@@ -112,9 +112,9 @@ fn full(
                 None => "-",
                 Some(Outcome::Holds) => "holds",
                 Some(Outcome::Violated) => "VIOLATED",
-                Some(Outcome::Inconclusive) => "unsure",
+                Some(Outcome::Inconclusive) => "inconclusive",
             };
-            format!("{cell:<11}")
+            format!("{cell:<13}")
         });
         writeln!(text, "{name:<width$}  {}", cells.collect::<String>().trim_end())?;
     }
@@ -123,18 +123,27 @@ fn full(
         writeln!(text, "{verdict}\n")?;
     }
     let count = |outcome| verdicts.iter().filter(|verdict| verdict.outcome == outcome).count();
-    let samples: u64 = verdicts.iter().map(|verdict| verdict.samples).sum();
     writeln!(
         text,
-        "{} verdicts: {} hold, {} violated, {} inconclusive; {samples} samples; false alarm of the run ≤ {:e}",
+        "{} verdicts: {} hold, {} violated, {} inconclusive; {} samples per direction; false alarm of the run ≤ {:e}",
         verdicts.len(),
         count(Outcome::Holds),
         count(Outcome::Violated),
         count(Outcome::Inconclusive),
+        plan.samples,
         FAMILY_ERROR_RATE,
     )?;
     if count(Outcome::Violated) > 0 {
-        writeln!(text, "again: gonio verify NAME --seed {} --samples {}", plan.run_seed, plan.samples)?;
+        let violated = verdicts.iter().filter(|verdict| verdict.outcome == Outcome::Violated);
+        let mut names: Vec<&str> = violated.map(|verdict| verdict.specimen.as_str()).collect();
+        names.dedup();
+        writeln!(
+            text,
+            "again: gonio verify {} --seed {} --samples {}",
+            names.join(" "),
+            plan.run_seed,
+            plan.samples
+        )?;
     }
     Ok(text)
 }

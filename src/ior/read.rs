@@ -61,7 +61,15 @@ impl fmt::Display for Problem {
 impl BadTable {
     pub(super) fn from_csv(file: &str, error: &csv::Error) -> Self {
         let line = error.position().map(csv::Position::line);
-        Self { file: file.to_owned(), line, problem: Problem::Unreadable(error.to_string()) }
+        let reason = match error.kind() {
+            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+                format!("{len} cells in a table of {expected_len} columns")
+            }
+            csv::ErrorKind::Utf8 { .. } => "not UTF-8".to_owned(),
+            csv::ErrorKind::Io(error) => error.to_string(),
+            _ => error.to_string(),
+        };
+        Self { file: file.to_owned(), line, problem: Problem::Unreadable(reason) }
     }
 }
 
@@ -177,7 +185,7 @@ mod tests {
         assert_eq!(message(&format!("{head}500,1.5,abc\n")), "my.csv:3: `k` is `abc`, which is not a number");
         assert!(message(&format!("{head}500,NaN,0\n")).contains("`eta` is NaN"));
         assert!(message(&format!("{head}inf,1,0\n")).contains("`wavelength_nm` is inf"));
-        assert!(message(&format!("{head}500,1.5\n")).starts_with("my.csv:3: "));
+        assert_eq!(message(&format!("{head}500,1.5\n")), "my.csv:3: 2 cells in a table of 3 columns");
         assert!(message("wavelength,n,k\n").contains("no column `wavelength_nm`; found wavelength, n, k"));
         assert!(message("").contains("no column"));
         assert!(message("wavelength_nm,eta,k\n400,1,0\n").contains("1 rows"));

@@ -17,7 +17,7 @@ use crate::rgb::Rgb;
 /// `wo` into the surface gives no sample.
 ///
 /// # Limits
-/// Energy that leaves after several bounces is lost: a white mirror keeps 0.878 at α = 0.3. A conductor
+/// Energy that leaves after several bounces is lost: a white mirror keeps 0.877 at α = 0.3 and normal incidence. A conductor
 /// (or a constant) reflects from above only, a dielectric from both sides. Roughness below
 /// [`crate::microfacet::ALPHA_MIN`] is refused: that is a specular lobe.
 ///

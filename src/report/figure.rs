@@ -1,13 +1,11 @@
 //! Reflectance against angle of incidence: the thesis's Figure 5.
 
-use std::fmt::Write as _;
-
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::ReportError;
 use crate::fresnel::{Polarized, conductor};
-use crate::ior::{Class, ComplexIndex, IorError, Table};
+use crate::ior::{ComplexIndex, IorError, Table};
 
 /// Units of the drawing per pixel: plotters rounds coordinates to whole units, and curves would be ragged.
 const SCALE: i32 = 4;
@@ -60,11 +58,13 @@ impl FresnelFigure {
     /// The figure of the given tables at a wavelength, incidence from vacuum.
     ///
     /// # Errors
-    /// If a table does not cover the wavelength.
-    pub fn new(tables: &[Table], wavelength_nm: f64) -> Result<Self, IorError> {
+    /// If a table does not cover the wavelength, or there are more than [`Self::MOST_CURVES`].
+    pub fn new(tables: &[Table], wavelength_nm: f64) -> Result<Self, ReportError> {
+        if tables.len() > Self::MOST_CURVES {
+            return Err(ReportError::TooManyCurves { given: tables.len(), most: Self::MOST_CURVES });
+        }
         let curves = tables
             .iter()
-            .take(Self::MOST_CURVES)
             .map(|table| {
                 let index = table.at(wavelength_nm)?;
                 let reflectance =
@@ -76,28 +76,27 @@ impl FresnelFigure {
         Ok(Self { wavelength_nm, curves })
     }
 
-    /// Wavelength \[nm\].
-    pub fn wavelength_nm(&self) -> f64 {
-        self.wavelength_nm
-    }
-
     /// The numbers of the figure: a row per angle; R for unpolarised light, R_s and R_p per data set.
-    pub fn csv(&self) -> String {
-        let mut csv = String::from("theta_deg");
-        for curve in &self.curves {
+    pub fn csv(&self) -> Result<String, ReportError> {
+        let failed =
+            |error: &dyn std::fmt::Display| ReportError::Drawing("the Fresnel table", error.to_string());
+        let mut csv = csv::Writer::from_writer(Vec::new());
+        let names = self.curves.iter().flat_map(|curve| {
             let name = &curve.table;
-            let _ = write!(csv, ",{name} R,{name} R_s,{name} R_p");
-        }
-        csv.push('\n');
+            [format!("{name} R"), format!("{name} R_s"), format!("{name} R_p")]
+        });
+        csv.write_record(["theta_deg".to_owned()].into_iter().chain(names))
+            .map_err(|error| failed(&error))?;
         for point in 0..POINTS {
-            let _ = write!(csv, "{}", theta_deg(point));
-            for curve in &self.curves {
+            let values = self.curves.iter().flat_map(|curve| {
                 let r @ Polarized { s, p } = curve.reflectance[point];
-                let _ = write!(csv, ",{:.9},{s:.9},{p:.9}", r.unpolarized());
-            }
-            csv.push('\n');
+                [r.unpolarized(), s, p].map(|value| format!("{value:.9}"))
+            });
+            csv.write_record([theta_deg(point).to_string()].into_iter().chain(values))
+                .map_err(|error| failed(&error))?;
         }
-        csv
+        let bytes = csv.into_inner().map_err(|error| failed(&error))?;
+        String::from_utf8(bytes).map_err(|error| failed(&error))
     }
 
     /// The caption: how the figure was computed.
@@ -268,9 +267,4 @@ fn draw_marker(
         }
     }
     Ok(())
-}
-
-/// Whether a table is of a metal; a file is one if it absorbs like one at the wavelength of the figure.
-pub(super) fn is_metal(table: &Table) -> bool {
-    table.provenance().is_some_and(|provenance| provenance.class == Class::Metal)
 }

@@ -5,9 +5,8 @@ use std::collections::HashMap;
 use bxdf_tests::{FAMILY_ERROR_RATE, Outcome, Plan, Specimen, Suite, Verdict};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::figure::is_metal;
 use super::{FresnelFigure, ReportError};
-use crate::ior::{Illuminant, builtin, provenances};
+use crate::ior::{Class, Illuminant, builtin, provenances};
 
 /// What the page shows.
 pub(super) struct Contents<'a> {
@@ -65,7 +64,6 @@ fn summary(contents: &Contents<'_>) -> Markup {
         (count(Outcome::Holds), count(Outcome::Violated), count(Outcome::Inconclusive));
     let waived = contents.verdicts.iter().filter(|verdict| verdict.waiver.is_some()).count();
     let checks: u64 = contents.verdicts.iter().map(|verdict| verdict.checks).sum();
-    let samples: u64 = contents.verdicts.iter().map(|verdict| verdict.samples).sum();
     let (class, headline) = match (violated, inconclusive) {
         (0, 0) => ("holds", "Every claim holds."),
         (0, _) => ("inconclusive", "No claim is violated; some evidence is inconclusive."),
@@ -78,8 +76,8 @@ fn summary(contents: &Contents<'_>) -> Markup {
             (holds) " hold, " (violated) " violated, " (inconclusive) " inconclusive; " (waived) " waived."
         }
         p {
-            (checks) " checks on " (samples) " random samples. Together the " (contents.plan.family)
-            " statistical checks raise a false alarm with probability " (format!("{FAMILY_ERROR_RATE:e}")) " at most. "
+            (checks) " checks, the statistical ones on " (contents.plan.samples) " random samples per direction and "
+            "transport mode. Together the " (contents.plan.family) " statistical checks raise a false alarm with probability " (format!("{FAMILY_ERROR_RATE:e}")) " at most. "
             "A claim that holds was not contradicted by the evidence; the matrix says how much of each limit was used."
         }
     }
@@ -118,7 +116,7 @@ fn metals() -> Result<Markup, ReportError> {
     for provenance in provenances()? {
         let table = builtin(&provenance.table)?;
         let [low, high] = table.range_nm();
-        if !is_metal(&table) || low > 380.0 || high < 780.0 {
+        if provenance.class != Class::Metal || low > 380.0 || high < 780.0 {
             continue;
         }
         let rgb = table.reflectance_rgb(1.0, Illuminant::D65)?;
@@ -227,11 +225,8 @@ fn cell(pair: [Option<&Verdict>; 2]) -> Markup {
     } else {
         ("holds", "✓")
     };
-    let used = |verdict: &Verdict| {
-        let used = if verdict.limit > 0.0 { verdict.value / verdict.limit } else { verdict.value };
-        format!("{:.2}", used.max(0.0))
-    };
-    let numbers: Vec<_> = pair.into_iter().flatten().map(used).collect();
+    let numbers: Vec<_> =
+        pair.into_iter().flatten().map(|verdict| format!("{:.2}", verdict.used().max(0.0))).collect();
     html! { td class={ "cell " (class) } { (mark) " " (numbers.join(" · ")) } }
 }
 
@@ -242,7 +237,7 @@ fn reproduce(contents: &Contents<'_>) -> Markup {
         p {
             "gonio " (env!("CARGO_PKG_VERSION")) ", run seed " (plan.run_seed) ", " (plan.samples)
             " samples per direction and transport mode. "
-            code { "gonio report --seed " (plan.run_seed) }
+            code { "gonio report --seed " (plan.run_seed) " --samples " (plan.samples) }
             " makes this report again; "
             code { "gonio report --check" }
             " compares. Verdicts with their witnesses are in "

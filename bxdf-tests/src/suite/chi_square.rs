@@ -211,7 +211,9 @@ mod tests {
     #[test]
     fn uncertain_expectations_are_inconclusive_and_never_a_violation() {
         let table = |first: u64, error| {
-            (0..10).map(|i| Row { error, ..row(0.1, if i == 0 { first } else { (10_000 - first) / 9 }) }).collect()
+            (0..10)
+                .map(|i| Row { error, ..row(0.1, if i == 0 { first } else { (10_000 - first) / 9 }) })
+                .collect()
         };
         assert!(pearson(table(1300, 0.0), 1e4).ln_p < -15.0);
         let Pearson { ln_p, is_uncertain, .. } = pearson(table(1100, 0.0014), 1e4);

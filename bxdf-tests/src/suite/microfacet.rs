@@ -58,7 +58,7 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
         Precision::F32 => (1e-5, 1e-6),
         Precision::F64 => (1e-9, 1e-7),
     };
-    let effort = Effort { absolute, relative: 0.0, leading: 1, rectangles: 2000 };
+    let effort = Effort { absolute, leading: 1, rectangles: 2000 };
     let mut is_one = |what, result: Integral<1>, witness| {
         let error = (result.value[0] - 1.0).abs();
         let mut check = Check::new(what, error, result.error[0] + rounding, witness);
