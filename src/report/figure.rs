@@ -103,11 +103,12 @@ impl FresnelFigure {
     pub fn caption(&self) -> String {
         let sets = self.curves.iter().map(|curve| {
             let ComplexIndex { eta, k } = curve.index;
-            format!(
-                "{} {eta:.3} + {}i",
-                curve.table,
-                if k < 1e-3 { format!("{k:.1e}") } else { format!("{k:.3}") }
-            )
+            let extinction = match k {
+                0.0 => String::new(),
+                k if k < 1e-3 => format!(" + {k:.1e}i"),
+                k => format!(" + {k:.3}i"),
+            };
+            format!("{} {eta:.3}{extinction}", curve.table)
         });
         format!(
             "Exact Fresnel reflectance of unpolarised light from vacuum at {} nm, η + ik interpolated linearly in \

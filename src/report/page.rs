@@ -21,12 +21,12 @@ const STYLE: &str = "
 :root { color-scheme: light dark; --ink: #222; --soft: #595959; --line: #d0d0d0; --page: #fff; --good: #e4f2ea; --bad: #f9dcd7; --open: #fdf0cf }
 @media (prefers-color-scheme: dark) { :root { --ink: #e8e8e8; --soft: #a8a8a8; --line: #444; --page: #16181b; --good: #1d3a2b; --bad: #5a2119; --open: #4d3f14 } }
 @media print { :root { --ink: #000; --page: #fff } }
-body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--page); max-width: 72rem; margin: 0 auto; padding: 1rem }
+body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--page); max-width: 76rem; margin: 0 auto; padding: 1rem }
 h1 { font-size: 1.7rem; margin: .5rem 0 } h2 { font-size: 1.25rem; margin: 2.5rem 0 .5rem; border-bottom: 1px solid var(--line) }
 p, figcaption { max-width: 60rem } figcaption, .note { color: var(--soft); font-size: .9rem } figure { margin: 1rem 0 }
 figure svg { background: #fff; max-width: 100%; height: auto; border: 1px solid var(--line) }
 .scroll { overflow-x: auto } table { border-collapse: collapse; font-size: .85rem; font-variant-numeric: tabular-nums }
-th, td { border-bottom: 1px solid var(--line); padding: .15rem .5rem; text-align: left; white-space: nowrap } td.wrap { white-space: normal; min-width: 16rem }
+th, td { border-bottom: 1px solid var(--line); padding: .15rem .4rem; text-align: left; white-space: nowrap } td.wrap { white-space: normal; min-width: 16rem }
 td.cell { text-align: center } tbody th { font-weight: 400 } tr.family th { font-weight: 600; padding-top: .8rem }
 .holds { background: var(--good) } .violated { background: var(--bad); font-weight: 600 } .inconclusive { background: var(--open) }
 .verdict { font-size: 1.1rem; padding: .6rem .9rem; border-left: .4rem solid var(--line) } .verdict.holds { border-color: #2f8f5b } .verdict.violated { border-color: #c0392b } .verdict.inconclusive { border-color: #c98a00 }

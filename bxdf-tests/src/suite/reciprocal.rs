@@ -97,21 +97,44 @@ fn compare_delta(
     // The way back starts at a rounded direction. Near the critical angle rounding can close it, which is right if a
     // move of the direction opens it again; at grazing incidence it leads elsewhere.
     let here = back(forth.wi).map_or([0.0; 3], |reverse| power(&reverse, backward));
+    let epsilon = examination.claims.precision.epsilon();
     if let Some(reverse) = back(forth.wi) {
         let miss = |w: Direction| back(w).map_or(f64::INFINITY, |scatter| distance(scatter.wi, setting.wo));
         let missed = distance(reverse.wi, setting.wo);
-        let epsilon = examination.claims.precision.epsilon();
-        let allowed = examination.rounding_error(forth.wi, missed, miss) + 16.0 * epsilon;
+        let allowed = examination.rounding_error(forth.wi, missed, miss)
+            + index_error(forth, epsilon, missed, miss)
+            + 16.0 * epsilon;
         let what = "distance of a delta's way back from where it came";
         ledger.record(Check::new(what, missed, allowed, witness));
     }
     let there = power(forth, setting.transport);
     for channel in 0..3 {
         let value = |w: Direction| back(w).map_or(0.0, |scatter| power(&scatter, backward)[channel]);
-        let allowed = examination.rounding_error(forth.wi, here[channel], value);
+        let allowed = examination.rounding_error(forth.wi, here[channel], value)
+            + index_error(forth, epsilon, here[channel], value);
         let what = "power of a delta against its way back in the other transport mode";
         ledger.record(Check::new(what, (there[channel] - here[channel]).abs(), allowed, witness));
     }
+}
+
+/// How much `g` may change because the relative index is rounded: as much as when the tangential component of the
+/// refracted direction, which is the index times that of the other side, moves by 4 ε.
+///
+/// Near η = 1 at grazing incidence that is far more than rounding the direction itself: 1/η is not the inverse of η
+/// to the digits of η − 1.
+fn index_error(delta: &Scatter, epsilon: f64, value: f64, g: impl Fn(Direction) -> f64) -> f64 {
+    if delta.eta == 1.0 {
+        return 0.0;
+    }
+    let [x, y, z] = delta.wi;
+    [4.0 * epsilon, -4.0 * epsilon]
+        .into_iter()
+        .map(|step| {
+            let cosine = (z * z - 2.0 * step * (x * x + y * y)).max(0.0).sqrt();
+            (g([x * (1.0 + step), y * (1.0 + step), cosine.copysign(z)]) - value).abs()
+        })
+        .filter(|change| change.is_finite())
+        .fold(0.0, f64::max)
 }
 
 /// What a delta carries per channel, in the measure of power: radiance is 1/η² of it.
