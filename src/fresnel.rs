@@ -158,7 +158,7 @@ fn hypotenuse<F: Real>(x: F, y: F) -> F {
 /// The thesis's approximation for conductors, its equations 7 and 8.
 ///
 /// Exact at normal incidence, elsewhere it neglects sin²θ against η² + k²: at most 0.0071 too bright for
-/// metals, but wrong by 0.099 for η = 1.5, k = 0.
+/// copper's blue, but wrong by 0.099 for η = 1.5, k = 0.
 #[inline]
 pub fn conductor_thesis<F: Real>(cos_theta_i: F, eta: F, k: F) -> Polarized<F> {
     let c = cos_theta_i;
