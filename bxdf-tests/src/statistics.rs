@@ -82,10 +82,12 @@ pub(crate) fn ln_binomial_two_sided(successes: u64, trials: u64, low: f64, high:
     } else if rate < low {
         // P(X ≤ k) = I_{1−p}(n − k, k + 1)
         if low == 1.0 { Ok(0.0) } else { checked_beta_reg(n - k, k + 1.0, 1.0 - low) }
+    } else if low.is_nan() || high.is_nan() {
+        return f64::NAN;
     } else {
         return 0.0;
     };
-    tail.map_or(f64::NAN, |tail| (2.0 * tail).min(1.0).ln())
+    tail.map_or(f64::NAN, |tail| (2.0 * tail).clamp(0.0, 1.0).ln())
 }
 
 /// ln of Bernstein's bound on the two-sided p-value of a mean of `samples` values in a range of width
@@ -146,6 +148,7 @@ mod tests {
         assert_eq!(ln_binomial_two_sided(3, 10, 0.2, 0.4), 0.0);
         assert_eq!(ln_binomial_two_sided(1, 10, 0.0, 0.0), f64::NEG_INFINITY);
         assert_eq!(ln_binomial_two_sided(0, 10, 0.0, 0.0), 0.0);
+        assert!(ln_binomial_two_sided(3, 10, f64::NAN, f64::NAN).is_nan());
     }
 
     #[test]

@@ -79,10 +79,10 @@ fn tails(examination: &Examination<'_>, survey: &Survey, tally: &Tally) -> Vec<P
     let surprise = rare
         .iter()
         .map(|row| ln_poisson_upper_tail(row.observed, samples * (row.probability.max(0.0) + row.error)))
-        .fold(0.0, f64::min);
+        .fold(0.0, least);
     tails.push(PValue {
         what: "-log10 p of samples where the pdf is next to nothing",
-        ln_p: (surprise + (rare.len().max(1) as f64).ln()).min(0.0),
+        ln_p: bonferroni(surprise, rare.len().max(1)),
         samples: 0,
         cells: None,
         inconclusive: None,
@@ -118,6 +118,17 @@ fn table(examination: &Examination<'_>, survey: &Survey, tally: &Tally, level: u
     }
     rows.push(none);
     (rows, samples)
+}
+
+/// The smaller of the two; NaN, a tail that could not be computed, wins and stays.
+fn least(a: f64, b: f64) -> f64 {
+    if b.is_nan() || b < a { b } else { a }
+}
+
+/// ln of the smallest of `count` p-values, corrected for their number: at most 0, NaN stays.
+fn bonferroni(ln_p: f64, count: usize) -> f64 {
+    let corrected = ln_p + (count as f64).ln();
+    if corrected > 0.0 { 0.0 } else { corrected }
 }
 
 /// Whether a row must be pooled: it expects too little, or what it expects is too uncertain.
@@ -160,14 +171,14 @@ fn pearson(mut rows: Vec<Row>, samples: f64) -> Pearson {
     }
     if pools.len() < FEW_POOLS {
         // Two moments do not describe the tail of so few cells; each is counted exactly instead.
-        let least = pools
+        let surprise = pools
             .iter()
             .map(|Row { probability, error, observed }| {
                 let (low, high) = (probability - error, probability + error);
                 ln_binomial_two_sided(*observed, samples as u64, low, high)
             })
-            .fold(0.0, f64::min);
-        let ln_p = (least + (pools.len() as f64).ln()).min(0.0);
+            .fold(0.0, least);
+        let ln_p = bonferroni(surprise, pools.len());
         return Pearson { ln_p, cells: pools.len(), is_uncertain: false };
     }
     let total: f64 = pools.iter().map(|pool| pool.probability).sum();
@@ -180,10 +191,11 @@ fn pearson(mut rows: Vec<Row>, samples: f64) -> Pearson {
         .sum();
     let quadrature: f64 = pools.iter().map(|pool| samples * pool.error.powi(2) / pool.probability).sum();
     // √X² is a distance; expected counts that are off by δ move it by no more than the length of δ/√E.
-    let least = (statistic.sqrt() - quadrature.sqrt()).max(0.0).powi(2);
+    let distance = statistic.sqrt() - quadrature.sqrt();
+    let statistic = if distance < 0.0 { 0.0 } else { distance * distance };
     let deviation = (2.0 * (pools.len() as f64 - 1.0).max(1.0)).sqrt();
     Pearson {
-        ln_p: ln_pearson_tail(least, &probabilities, samples),
+        ln_p: ln_pearson_tail(statistic, &probabilities, samples),
         cells: pools.len(),
         is_uncertain: quadrature > TOLERATED * deviation,
     }
@@ -220,6 +232,16 @@ mod tests {
         assert!(ln_p > -1.0 && is_uncertain, "{ln_p}");
         let Pearson { ln_p, is_uncertain, .. } = pearson(table(1300, 0.0001), 1e4);
         assert!(ln_p < -15.0 && !is_uncertain, "{ln_p}");
+    }
+
+    #[test]
+    fn a_tail_that_cannot_be_computed_is_not_forgotten() {
+        for p_values in [[f64::NAN, -3.0, -50.0], [-50.0, f64::NAN, -3.0], [-3.0, -50.0, f64::NAN]] {
+            assert!(bonferroni(p_values.into_iter().fold(0.0, least), 3).is_nan());
+        }
+        assert_eq!(bonferroni([-3.0, -50.0].into_iter().fold(0.0, least), 1), -50.0);
+        let broken = vec![Row { error: f64::NAN, ..row(0.5, 500) }, row(0.5, 500)];
+        assert!(pearson(broken, 1000.0).ln_p.is_nan());
     }
 
     #[test]

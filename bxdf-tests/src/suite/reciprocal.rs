@@ -96,9 +96,10 @@ fn compare_delta(
     let back = |wo: Direction| way_back(examination, wo, setting.wo, backward, uniforms);
     // The way back starts at a rounded direction. Near the critical angle rounding can close it, which is right if a
     // move of the direction opens it again; at grazing incidence it leads elsewhere.
-    let here = back(forth.wi).map_or([0.0; 3], |reverse| power(&reverse, backward));
+    let reverse = back(forth.wi);
+    let here = reverse.map_or([0.0; 3], |reverse| power(&reverse, backward));
     let epsilon = examination.claims.precision.epsilon();
-    if let Some(reverse) = back(forth.wi) {
+    if let Some(reverse) = reverse {
         let miss = |w: Direction| back(w).map_or(f64::INFINITY, |scatter| distance(scatter.wi, setting.wo));
         let missed = distance(reverse.wi, setting.wo);
         let allowed = examination.rounding_error(forth.wi, missed, miss)
