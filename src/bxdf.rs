@@ -4,6 +4,8 @@
 //! surface; `eval` is without the cosine; `eta` of a sample is the index of the side entered over the side
 //! left.
 
+use core::fmt::Debug;
+
 use crate::real::Real;
 use crate::rgb::Rgb;
 
@@ -55,7 +57,7 @@ pub struct LobeFlags {
 /// A bidirectional scattering distribution function with its sampling.
 ///
 /// Implementations are pure: no randomness, no globals, no allocation.
-pub trait Bxdf<F: Real> {
+pub trait Bxdf<F: Real>: Debug + Send + Sync {
     /// f(wo, wi) \[sr⁻¹\], without the cosine. Zero where scattering is a Dirac delta.
     fn eval(&self, wo: F::Vec3, wi: F::Vec3, mode: TransportMode) -> Rgb<F>;
     /// Density \[sr⁻¹\] with which `sample` draws `wi`, given `wo`. Zero where it is a Dirac delta.
@@ -65,6 +67,13 @@ pub trait Bxdf<F: Real> {
     /// `None` takes whatever probability the density and the delta masses leave; it contributes nothing and
     /// counts in the denominator of an estimate.
     fn sample(&self, wo: F::Vec3, uc: F, u: [F; 2], mode: TransportMode) -> Option<BxdfSample<F>>;
+    /// The fraction of the light arriving from `wo` that is scattered anywhere, as far as it is cheap to know.
+    ///
+    /// A stack picks its components in proportion: an error here costs noise, not correctness.
+    fn albedo(&self, wo: F::Vec3) -> Rgb<F> {
+        let _ = wo;
+        Rgb::WHITE
+    }
     /// What the lobe can do.
     fn flags(&self) -> LobeFlags;
 }

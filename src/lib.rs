@@ -25,9 +25,9 @@
 //! # Example
 //! ```
 //! use bxdf_tests::{Outcome, Plan, examine};
-//! use gonio::{lobe::Lambertian, rgb::Rgb, specimen::LobeSpecimen};
+//! use gonio::{lobe::Lambertian, rgb::Rgb, specimen::BxdfSpecimen};
 //!
-//! let paper = LobeSpecimen::new("paper", Lambertian::new(Rgb::splat(0.8_f64))?);
+//! let paper = BxdfSpecimen::of_lobe("paper", Lambertian::new(Rgb::splat(0.8_f64))?);
 //! let verdicts = examine(&paper, &Plan::new(bxdf_tests::run_seed(), [&paper as _]));
 //! assert!(verdicts.iter().all(|verdict| verdict.outcome == Outcome::Holds));
 //! # Ok::<(), gonio::parameter::OutOfRange>(())

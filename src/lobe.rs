@@ -55,6 +55,9 @@ macro_rules! lobes {
             fn sample(&self, wo: F::Vec3, uc: F, u: [F; 2], mode: TransportMode) -> Option<BxdfSample<F>> {
                 match self { $(Self::$name(lobe) => lobe.sample(wo, uc, u, mode),)+ }
             }
+            fn albedo(&self, wo: F::Vec3) -> Rgb<F> {
+                match self { $(Self::$name(lobe) => lobe.albedo(wo),)+ }
+            }
             fn flags(&self) -> LobeFlags {
                 match self { $(Self::$name(lobe) => lobe.flags(),)+ }
             }
@@ -64,7 +67,7 @@ macro_rules! lobes {
 
 lobes! {
     lambertian::Lambertian: "ideal diffuse reflection",
-    conductor_specular::ConductorSpecular: "mirror reflection at a smooth conductor",
+    specular_reflection::SpecularReflection: "mirror reflection: ideal, or at a smooth conductor or coat",
     dielectric_specular::DielectricSpecular: "reflection and refraction at a smooth boundary of dielectrics",
     microfacet_reflection::MicrofacetReflection: "reflection at a rough conductor or dielectric",
 }

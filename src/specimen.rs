@@ -1,7 +1,11 @@
 //! How our lobes enter the laboratory: the example that every renderer follows.
 //!
-//! [`catalogue`] lists every case of every lobe in both precisions. A lobe without an arm in `cases` does not
-//! build; one without a case fails a test by name.
+//! [`catalogue`] lists every case of every lobe in both precisions; the cases are in `specimen/cases.rs`. A lobe
+//! without promises or without an arm there does not build; one without a case fails a test by name.
+
+mod cases;
+
+use std::sync::Arc;
 
 use bxdf_tests::{
     Boundary, Claims, Direction, Energy, Examination, Measure, Microsurface, Plan, Precision, Scatter, Suite,
@@ -12,38 +16,79 @@ use rayon::prelude::*;
 use crate::bxdf::{Bxdf, Pdf, TransportMode};
 use crate::fresnel::{self, Fresnel, Polarized};
 use crate::ior;
-use crate::lobe::{ConductorSpecular, DielectricSpecular, Lambertian, Lobe, LobeKind, MicrofacetReflection};
-use crate::microfacet::{Distribution, Shape};
+use crate::lobe::{Lobe, LobeKind};
+use crate::microfacet::Distribution;
 use crate::parameter::OutOfRange;
 use crate::real::{Real, Vector};
-use crate::rgb::Rgb;
 
-/// A lobe with its name, as the laboratory sees it.
+/// A BxDF of ours with its name and claims, as the laboratory sees it.
 #[derive(Clone, Debug)]
-pub struct LobeSpecimen<F> {
+pub struct BxdfSpecimen<F: Real> {
     name: String,
-    lobe: Lobe<F>,
+    bxdf: Arc<dyn Bxdf<F>>,
+    claims: Claims,
+    fresnel: Option<Fresnel<F>>,
+    distribution: Option<Distribution<F>>,
 }
 
-impl<F: Real> LobeSpecimen<F> {
-    /// The specimen `name/precision`.
-    pub fn new(name: &str, lobe: impl Into<Lobe<F>>) -> Self {
-        Self { name: format!("{name}/{}", F::NAME), lobe: lobe.into() }
+impl<F: Real> BxdfSpecimen<F> {
+    /// The specimen `name/precision` with the given claims.
+    pub fn new(name: &str, bxdf: impl Bxdf<F> + 'static, claims: Claims) -> Self {
+        let (fresnel, distribution) = (None, None);
+        Self { name: format!("{name}/{}", F::NAME), bxdf: Arc::new(bxdf), claims, fresnel, distribution }
     }
 
-    fn distribution(&self) -> Option<&Distribution<F>> {
-        match &self.lobe {
-            Lobe::MicrofacetReflection(lobe) => Some(lobe.distribution()),
-            Lobe::Lambertian(_) | Lobe::ConductorSpecular(_) | Lobe::DielectricSpecular(_) => None,
-        }
+    /// The specimen `name/precision` of one of our lobes, with what the lobe promises.
+    pub fn of_lobe(name: &str, lobe: impl Into<Lobe<F>>) -> Self {
+        let lobe = lobe.into();
+        let (fresnel, distribution) = terms(&lobe);
+        let claims = promises(&lobe, fresnel);
+        Self { fresnel, distribution, ..Self::new(name, lobe, claims) }
     }
 
-    fn boundary(&self) -> Option<Fresnel<F>> {
-        match &self.lobe {
-            Lobe::Lambertian(_) => None,
-            Lobe::ConductorSpecular(lobe) => Some(lobe.fresnel()),
-            Lobe::DielectricSpecular(lobe) => Some(Fresnel::Dielectric { eta: lobe.eta() }),
-            Lobe::MicrofacetReflection(lobe) => Some(lobe.fresnel()),
+    /// The same specimen with another promise about energy.
+    pub fn with_energy(mut self, energy: Energy) -> Self {
+        self.claims.energy = Some(energy);
+        self
+    }
+}
+
+/// The floating-point type as the laboratory names it.
+pub fn precision<F: Real>() -> Precision {
+    if F::EPSILON.to_f64() == f64::EPSILON { Precision::F64 } else { Precision::F32 }
+}
+
+/// The Fresnel term and the micro surface that a lobe exposes.
+fn terms<F: Real>(lobe: &Lobe<F>) -> (Option<Fresnel<F>>, Option<Distribution<F>>) {
+    match lobe {
+        Lobe::Lambertian(_) => (None, None),
+        Lobe::SpecularReflection(lobe) => (Some(lobe.fresnel()), None),
+        Lobe::DielectricSpecular(lobe) => (Some(Fresnel::Dielectric { eta: lobe.eta() }), None),
+        Lobe::MicrofacetReflection(lobe) => (Some(lobe.fresnel()), Some(*lobe.distribution())),
+    }
+}
+
+/// What a lobe promises.
+fn promises<F: Real>(lobe: &Lobe<F>, fresnel: Option<Fresnel<F>>) -> Claims {
+    let reflector = Claims::reflector(precision::<F>());
+    let boundary = match fresnel {
+        Some(Fresnel::Dielectric { eta }) => Some(Boundary { eta: [eta.to_f64(); 3], k: [0.0; 3] }),
+        Some(Fresnel::Conductor { eta, k }) => Some(Boundary { eta: eta.to_f64(), k: k.to_f64() }),
+        Some(Fresnel::Constant(_)) | None => None,
+    };
+    match lobe {
+        Lobe::Lambertian(_) => Claims { two_sided: true, ..reflector },
+        Lobe::SpecularReflection(_) => Claims { boundary, ..reflector },
+        Lobe::DielectricSpecular(_) => Claims {
+            two_sided: true,
+            transmits: true,
+            energy: Some(Energy::Lossless { within: 0.0 }),
+            boundary,
+            ..reflector
+        },
+        Lobe::MicrofacetReflection(lobe) => {
+            let isotropic = lobe.distribution().is_isotropic();
+            Claims { isotropic, boundary, microfacet: true, ..reflector }
         }
     }
 }
@@ -55,50 +100,26 @@ fn mode(transport: Transport) -> TransportMode {
     }
 }
 
-impl<F: Real> bxdf_tests::Specimen for LobeSpecimen<F> {
+impl<F: Real> bxdf_tests::Specimen for BxdfSpecimen<F> {
     fn name(&self) -> String {
         self.name.clone()
     }
 
     fn claims(&self) -> Claims {
-        let precision = if F::EPSILON.to_f64() == f64::EPSILON { Precision::F64 } else { Precision::F32 };
-        let reflector = Claims::reflector(precision);
-        let boundary = match self.boundary() {
-            Some(Fresnel::Dielectric { eta }) => Some(Boundary { eta: [eta.to_f64(); 3], k: [0.0; 3] }),
-            Some(Fresnel::Conductor { eta, k }) => Some(Boundary { eta: eta.to_f64(), k: k.to_f64() }),
-            Some(Fresnel::Constant(_)) | None => None,
-        };
-        match &self.lobe {
-            Lobe::Lambertian(_) => Claims { two_sided: true, ..reflector },
-            Lobe::ConductorSpecular(_) => Claims { boundary, ..reflector },
-            Lobe::DielectricSpecular(lobe) => Claims {
-                two_sided: true,
-                transmits: lobe.flags().transmits,
-                energy: Some(Energy::Lossless),
-                boundary,
-                ..reflector
-            },
-            Lobe::MicrofacetReflection(lobe) => Claims {
-                two_sided: matches!(lobe.fresnel(), Fresnel::Dielectric { .. }),
-                isotropic: lobe.distribution().is_isotropic(),
-                boundary,
-                microfacet: true,
-                ..reflector
-            },
-        }
+        self.claims.clone()
     }
 
     fn eval(&self, wo: Direction, wi: Direction, transport: Transport) -> [f64; 3] {
-        self.lobe.eval(F::Vec3::from_f64(wo), F::Vec3::from_f64(wi), mode(transport)).to_f64()
+        self.bxdf.eval(F::Vec3::from_f64(wo), F::Vec3::from_f64(wi), mode(transport)).to_f64()
     }
 
     fn pdf(&self, wo: Direction, wi: Direction, transport: Transport) -> f64 {
-        self.lobe.pdf(F::Vec3::from_f64(wo), F::Vec3::from_f64(wi), mode(transport)).to_f64()
+        self.bxdf.pdf(F::Vec3::from_f64(wo), F::Vec3::from_f64(wi), mode(transport)).to_f64()
     }
 
     fn sample(&self, wo: Direction, uniforms: [f64; 3], transport: Transport) -> Option<Scatter> {
         let [uc, u0, u1] = uniforms.map(F::from_f64);
-        let sample = self.lobe.sample(F::Vec3::from_f64(wo), uc, [u0, u1], mode(transport))?;
+        let sample = self.bxdf.sample(F::Vec3::from_f64(wo), uc, [u0, u1], mode(transport))?;
         Some(Scatter {
             wi: sample.wi.to_f64(),
             weight: sample.weight.to_f64(),
@@ -113,7 +134,7 @@ impl<F: Real> bxdf_tests::Specimen for LobeSpecimen<F> {
     fn fresnel(&self, cos_theta_i: f64, from_above: bool) -> Option<[[f64; 2]; 3]> {
         let cos_theta_i = F::from_f64(cos_theta_i);
         let pair = |Polarized { s, p }: Polarized<F>| [s.to_f64(), p.to_f64()];
-        match self.boundary()? {
+        match self.fresnel? {
             Fresnel::Constant(_) => None,
             Fresnel::Dielectric { eta } => {
                 let eta = if from_above { eta } else { F::ONE / eta };
@@ -126,7 +147,7 @@ impl<F: Real> bxdf_tests::Specimen for LobeSpecimen<F> {
     }
 
     fn microsurface(&self) -> Option<&dyn Microsurface> {
-        self.distribution().map(|distribution| distribution as &dyn Microsurface)
+        self.distribution.as_ref().map(|distribution| distribution as &dyn Microsurface)
     }
 }
 
@@ -163,8 +184,8 @@ pub fn catalogue() -> Result<Vec<Box<dyn bxdf_tests::Specimen>>, CatalogueError>
 /// As [`catalogue`].
 pub fn specimens_of(kind: LobeKind) -> Result<Vec<Box<dyn bxdf_tests::Specimen>>, CatalogueError> {
     let mut specimens: Vec<Box<dyn bxdf_tests::Specimen>> = Vec::new();
-    specimens.extend(cases::<f64>(kind)?.into_iter().map(|case| Box::new(case) as _));
-    specimens.extend(cases::<f32>(kind)?.into_iter().map(|case| Box::new(case) as _));
+    specimens.extend(cases::of_lobe::<f64>(kind)?.into_iter().map(|case| Box::new(case) as _));
+    specimens.extend(cases::of_lobe::<f32>(kind)?.into_iter().map(|case| Box::new(case) as _));
     Ok(specimens)
 }
 
@@ -202,87 +223,6 @@ pub enum CatalogueError {
     Ior(#[from] ior::IorError),
 }
 
-/// Roughness of the isotropic cases, from where single precision still resolves the lobe to the largest.
-const ALPHAS: [f64; 7] = [1e-3, 1e-2, 0.05, 0.1, 0.3, 0.5, 1.0];
-/// Roughness of the anisotropic cases.
-const ANISOTROPIC: [[f64; 2]; 2] = [[0.5, 0.2], [0.03, 0.3]];
-/// Indices of refraction of the dielectric cases, from nearly matched to diamond.
-const ETAS: [f64; 4] = [1.0001, 1.1, 1.5, 2.42];
-/// Data sets of the metals in the cases.
-const METALS: [&str; 4] =
-    ["gold/Johnson-1972", "aluminium/Rakic-1995", "chromium/Johnson-1974", "copper/Johnson-1972"];
-
-fn metal<F: Real>(table: &str) -> Result<[Rgb<F>; 2], ior::IorError> {
-    let fitted = ior::builtin(table)?.fitted_rgb()?;
-    Ok([fitted.eta, fitted.k].map(|part| Rgb(part.map(F::from_f64))))
-}
-
-/// The cases of one lobe: `family/case`.
-fn cases<F: Real>(kind: LobeKind) -> Result<Vec<LobeSpecimen<F>>, CatalogueError> {
-    let f = F::from_f64;
-    let mut cases = Vec::new();
-    match kind {
-        LobeKind::Lambertian => {
-            for (name, reflectance) in
-                [("white", [1.0; 3]), ("coloured", [0.8, 0.5, 0.1]), ("black", [0.0; 3])]
-            {
-                let lobe = Lambertian::new(Rgb(reflectance.map(f)))?;
-                cases.push(LobeSpecimen::new(&format!("lambertian/{name}"), lobe));
-            }
-        }
-        LobeKind::ConductorSpecular => {
-            for table in METALS {
-                let [eta, k] = metal(table)?;
-                let (name, _) = table.split_once('/').unwrap_or((table, ""));
-                let lobe = ConductorSpecular::new(eta, k)?;
-                cases.push(LobeSpecimen::new(&format!("smooth_conductor/{name}"), lobe));
-            }
-            // A mirror without losses, an index without extinction, and a strongly absorbing one.
-            let synthetic =
-                ConductorSpecular::new(Rgb([0.0, 1.5, 0.01].map(f)), Rgb([3.0, 0.0, 5.0].map(f)))?;
-            cases.push(LobeSpecimen::new("smooth_conductor/synthetic", synthetic));
-        }
-        LobeKind::DielectricSpecular => {
-            let inverses = ETAS.map(|eta| (format!("eta_1_over_{eta}"), 1.0 / eta));
-            let etas = ETAS.map(|eta| (format!("eta_{eta}"), eta));
-            for (name, eta) in etas.into_iter().chain(inverses).chain([("eta_1".to_owned(), 1.0)]) {
-                let lobe = DielectricSpecular::new(f(eta))?;
-                cases.push(LobeSpecimen::new(&format!("smooth_dielectric/{name}"), lobe));
-            }
-        }
-        LobeKind::MicrofacetReflection => {
-            let shapes = [(Shape::Ggx, "ggx"), (Shape::Beckmann, "beckmann")];
-            let mut push = |family: &str, case: String, shape, [x, y]: [f64; 2], fresnel| {
-                let lobe = MicrofacetReflection::new(Distribution::new(shape, f(x), f(y))?, fresnel);
-                cases.push(LobeSpecimen::new(&format!("{family}/{case}"), lobe));
-                Ok::<(), OutOfRange>(())
-            };
-            let [eta, k] = metal("gold/Johnson-1972")?;
-            let gold = Fresnel::conductor(eta, k)?;
-            for (shape, name) in shapes {
-                for alpha in ALPHAS {
-                    push("rough_conductor", format!("{name}_{alpha}"), shape, [alpha; 2], gold)?;
-                }
-                for [x, y] in ANISOTROPIC {
-                    push("rough_conductor", format!("{name}_{x}_{y}"), shape, [x, y], gold)?;
-                }
-            }
-            for (shape, name) in shapes {
-                let white = Fresnel::constant(Rgb::WHITE)?;
-                push("rough_mirror", format!("{name}_0.5"), shape, [0.5; 2], white)?;
-            }
-            for (shape, name) in shapes {
-                for (index, eta) in [("1.5", 1.5), ("1_over_1.5", 1.0 / 1.5), ("1", 1.0)] {
-                    let glass = Fresnel::dielectric(f(eta))?;
-                    let case = format!("{name}_0.3_eta_{index}");
-                    push("rough_dielectric_reflection", case, shape, [0.3; 2], glass)?;
-                }
-            }
-        }
-    }
-    Ok(cases)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -290,9 +230,9 @@ mod tests {
     #[test]
     fn every_lobe_has_cases_in_both_precisions() {
         for &kind in LobeKind::ALL {
-            let single = cases::<f32>(kind).unwrap().len();
+            let single = cases::of_lobe::<f32>(kind).unwrap().len();
             assert!(single > 0, "lobe {} has no cases", kind.name());
-            assert_eq!(single, cases::<f64>(kind).unwrap().len());
+            assert_eq!(single, cases::of_lobe::<f64>(kind).unwrap().len());
         }
     }
 

@@ -23,12 +23,20 @@ impl Precision {
 }
 
 /// How much of the energy that arrives leaves again, in the measure of power.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Energy {
     /// At most all of it.
     Conserving,
-    /// All of it.
-    Lossless,
+    /// All of it, but for the error of the tables that the specimen rests on: 0 where it has none.
+    Lossless {
+        /// Largest difference from 1.
+        within: f64,
+    },
+    /// More than all of it in places: a known flaw of the model. Suite `energy` confirms both the bound and the flaw.
+    Exceeding {
+        /// The largest directional albedo.
+        at_most: f64,
+    },
 }
 
 /// A smooth boundary with exact Fresnel reflectance: the index below over the index above, per channel.

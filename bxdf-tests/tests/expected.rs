@@ -5,7 +5,7 @@ use gonio::fresnel::Fresnel;
 use gonio::lobe::MicrofacetReflection;
 use gonio::microfacet::{Distribution, Shape};
 use gonio::rgb::Rgb;
-use gonio::specimen::LobeSpecimen;
+use gonio::specimen::BxdfSpecimen;
 
 /// The closed form is a one-dimensional integral, printed to 17 digits by `print_golden.py`; the laboratory
 /// integrates `eval` over the sphere and knows nothing of it.
@@ -19,7 +19,7 @@ fn val_albedo_of_a_rough_mirror_at_normal_incidence() {
         for (shape, expected) in [(Shape::Ggx, ggx), (Shape::Beckmann, beckmann)] {
             let distribution = Distribution::new(shape, alpha, alpha).unwrap();
             let mirror = MicrofacetReflection::new(distribution, Fresnel::constant(Rgb::WHITE).unwrap());
-            let specimen = LobeSpecimen::new("mirror", mirror);
+            let specimen = BxdfSpecimen::of_lobe("mirror", mirror);
             let albedo = directional_albedo(&specimen, [0.0, 0.0, 1.0], Transport::Radiance);
             let error = (albedo.value[0] - expected).abs();
             assert!(albedo.error[0] <= 1e-6, "{shape:?} {alpha}: bound {:e}", albedo.error[0]);

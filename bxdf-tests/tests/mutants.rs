@@ -7,10 +7,10 @@ use bxdf_tests::{
     Transport, Verdict, run_seed,
 };
 use gonio::fresnel::{Fresnel, schlick};
-use gonio::lobe::{ConductorSpecular, DielectricSpecular, Lambertian, MicrofacetReflection};
+use gonio::lobe::{DielectricSpecular, Lambertian, MicrofacetReflection, SpecularReflection};
 use gonio::microfacet::{Distribution, Shape};
 use gonio::rgb::Rgb;
-use gonio::specimen::LobeSpecimen;
+use gonio::specimen::BxdfSpecimen;
 use std::f64::consts::FRAC_1_PI;
 
 /// A bug in one term of a lobe: from the correct value, and what it depends on, to the wrong one.
@@ -33,7 +33,7 @@ enum Bug {
     Visible(fn(f64, Direction, Direction) -> f64),
 }
 
-type Lobe = LobeSpecimen<f64>;
+type Lobe = BxdfSpecimen<f64>;
 
 /// A lobe with a bug, or without one its correct twin.
 struct Mutant {
@@ -203,25 +203,25 @@ const GOLD_ETA: Rgb<f64> = Rgb([0.18, 0.42, 1.37]);
 const GOLD_K: Rgb<f64> = Rgb([3.42, 2.35, 1.77]);
 
 fn white_paper() -> Lobe {
-    LobeSpecimen::new("white_paper", Lambertian::new(Rgb::WHITE).unwrap())
+    BxdfSpecimen::of_lobe("white_paper", Lambertian::new(Rgb::WHITE).unwrap())
 }
 
 fn rough_mirror() -> Lobe {
     let white = Fresnel::constant(Rgb::WHITE).unwrap();
-    LobeSpecimen::new("rough_mirror", MicrofacetReflection::new(ggx(0.3), white))
+    BxdfSpecimen::of_lobe("rough_mirror", MicrofacetReflection::new(ggx(0.3), white))
 }
 
 fn rough_gold() -> Lobe {
     let gold = Fresnel::conductor(GOLD_ETA, GOLD_K).unwrap();
-    LobeSpecimen::new("rough_gold", MicrofacetReflection::new(beckmann(0.3), gold))
+    BxdfSpecimen::of_lobe("rough_gold", MicrofacetReflection::new(beckmann(0.3), gold))
 }
 
 fn glass() -> Lobe {
-    LobeSpecimen::new("glass", DielectricSpecular::new(1.5).unwrap())
+    BxdfSpecimen::of_lobe("glass", DielectricSpecular::new(1.5).unwrap())
 }
 
 fn gold() -> Lobe {
-    LobeSpecimen::new("gold", ConductorSpecular::new(GOLD_ETA, GOLD_K).unwrap())
+    BxdfSpecimen::of_lobe("gold", SpecularReflection::new(Fresnel::conductor(GOLD_ETA, GOLD_K).unwrap()))
 }
 
 /// Fewer samples than usual: the bugs are large enough to be found for certain.

@@ -7,13 +7,13 @@ use gonio::fresnel::Fresnel;
 use gonio::lobe::{Lambertian, MicrofacetReflection};
 use gonio::microfacet::{Distribution, Shape};
 use gonio::rgb::Rgb;
-use gonio::specimen::LobeSpecimen;
+use gonio::specimen::BxdfSpecimen;
 
 /// Two lobes, one of which is picked with the given probability; the value and the density are the mixtures.
 struct Mixture {
     share: f64,
-    narrow: LobeSpecimen<f64>,
-    broad: LobeSpecimen<f64>,
+    narrow: BxdfSpecimen<f64>,
+    broad: BxdfSpecimen<f64>,
 }
 
 impl Specimen for Mixture {
@@ -60,8 +60,8 @@ fn a_narrow_lobe_over_a_broad_one_conforms() {
         let mirror = MicrofacetReflection::new(distribution, Fresnel::constant(Rgb::WHITE).unwrap());
         let mixture = Mixture {
             share,
-            narrow: LobeSpecimen::new(&format!("{shape:?}_{alpha}"), mirror),
-            broad: LobeSpecimen::new("white", Lambertian::new(Rgb::WHITE).unwrap()),
+            narrow: BxdfSpecimen::of_lobe(&format!("{shape:?}_{alpha}"), mirror),
+            broad: BxdfSpecimen::of_lobe("white", Lambertian::new(Rgb::WHITE).unwrap()),
         };
         let plan = Plan::new(run_seed(), [&mixture as &dyn Specimen]);
         for verdict in examine(&mixture, &plan) {

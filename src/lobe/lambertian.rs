@@ -57,6 +57,10 @@ impl<F: Real> Bxdf<F> for Lambertian<F> {
         })
     }
 
+    fn albedo(&self, _: F::Vec3) -> Rgb<F> {
+        self.reflectance
+    }
+
     fn flags(&self) -> LobeFlags {
         LobeFlags { reflects: true, transmits: false, is_delta: false }
     }

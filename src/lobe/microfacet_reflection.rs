@@ -17,8 +17,9 @@ use crate::rgb::Rgb;
 /// `wo` into the surface gives no sample.
 ///
 /// # Limits
-/// Energy that leaves after several bounces is lost: a white mirror keeps 0.877 at α = 0.3 and normal incidence. A conductor
-/// (or a constant) reflects from above only, a dielectric from both sides. Roughness below
+/// Energy that leaves after several bounces is lost: a white mirror keeps 0.877 at α = 0.3 and normal incidence. Light
+/// from below the surface is not scattered; a dielectric that is lit from both sides is
+/// another lobe, with transmission. Roughness below
 /// [`crate::microfacet::ALPHA_MIN`] is refused: that is a specular lobe.
 ///
 /// # Example
@@ -34,18 +35,13 @@ use crate::rgb::Rgb;
 #[derive(Clone, Debug)]
 pub struct MicrofacetReflection<F> {
     distribution: Distribution<F>,
-    above: Fresnel<F>,
-    below: Option<Fresnel<F>>,
+    fresnel: Fresnel<F>,
 }
 
 impl<F: Real> MicrofacetReflection<F> {
-    /// A rough surface of the given distribution of normals and Fresnel term (as seen from above).
+    /// A rough surface of the given distribution of normals and Fresnel term.
     pub fn new(distribution: Distribution<F>, fresnel: Fresnel<F>) -> Self {
-        let below = match fresnel {
-            Fresnel::Dielectric { eta } => Some(Fresnel::Dielectric { eta: F::ONE / eta }),
-            Fresnel::Conductor { .. } | Fresnel::Constant(_) => None,
-        };
-        Self { distribution, above: fresnel, below }
+        Self { distribution, fresnel }
     }
 
     /// The distribution of micro normals.
@@ -53,47 +49,36 @@ impl<F: Real> MicrofacetReflection<F> {
         &self.distribution
     }
 
-    /// The Fresnel term seen from above.
+    /// The Fresnel term.
     pub fn fresnel(&self) -> Fresnel<F> {
-        self.above
-    }
-
-    /// The side that `wo` is on: its Fresnel term, and the sign that brings directions above the surface.
-    #[inline]
-    fn side(&self, wo: F::Vec3) -> Option<(&Fresnel<F>, F)> {
-        if is_above::<F>(wo) {
-            Some((&self.above, F::ONE))
-        } else if is_above::<F>(-wo) {
-            self.below.as_ref().map(|fresnel| (fresnel, -F::ONE))
-        } else {
-            None
-        }
+        self.fresnel
     }
 }
 
 impl<F: Real> Bxdf<F> for MicrofacetReflection<F> {
     #[inline]
     fn eval(&self, wo: F::Vec3, wi: F::Vec3, _: TransportMode) -> Rgb<F> {
-        let Some((fresnel, sign)) = self.side(wo) else { return Rgb::BLACK };
-        let (wo, wi) = (wo * sign, wi * sign);
-        if !is_above::<F>(wi) {
+        if !is_above::<F>(wo) || !is_above::<F>(wi) {
             return Rgb::BLACK;
         }
         let (reflection, wo_dot_h) = self.distribution.reflection(wo, wi);
-        fresnel.reflectance(wo_dot_h) * reflection
+        self.fresnel.reflectance(wo_dot_h) * reflection
     }
 
     #[inline]
     fn pdf(&self, wo: F::Vec3, wi: F::Vec3, _: TransportMode) -> F {
-        let Some((_, sign)) = self.side(wo) else { return F::ZERO };
-        let (wo, wi) = (wo * sign, wi * sign);
-        if is_above::<F>(wi) { self.distribution.reflection_pdf(wo, wi) } else { F::ZERO }
+        if is_above::<F>(wo) && is_above::<F>(wi) {
+            self.distribution.reflection_pdf(wo, wi)
+        } else {
+            F::ZERO
+        }
     }
 
     #[inline]
     fn sample(&self, wo: F::Vec3, _: F, u: [F; 2], _: TransportMode) -> Option<BxdfSample<F>> {
-        let (fresnel, sign) = self.side(wo)?;
-        let wo = wo * sign;
+        if !is_above::<F>(wo) {
+            return None;
+        }
         let wm = self.distribution.sample_visible(wo, u);
         let wi = reflect::<F>(wo, wm);
         if !is_above::<F>(wi) {
@@ -101,11 +86,16 @@ impl<F: Real> Bxdf<F> for MicrofacetReflection<F> {
         }
         let (pdf, g2_over_g1) = self.distribution.reflection_sample(wo, wi, wm);
         Some(BxdfSample {
-            wi: wi * sign,
-            weight: fresnel.reflectance(wo.dot(wm).max(F::ZERO)) * g2_over_g1,
+            wi,
+            weight: self.fresnel.reflectance(wo.dot(wm).max(F::ZERO)) * g2_over_g1,
             pdf: Pdf::SolidAngle(pdf),
             eta: F::ONE,
         })
+    }
+
+    fn albedo(&self, wo: F::Vec3) -> Rgb<F> {
+        // The Fresnel term at the macro normal: what a rough surface loses does not matter for picking a component.
+        if is_above::<F>(wo) { self.fresnel.reflectance(wo.z()) } else { Rgb::BLACK }
     }
 
     fn flags(&self) -> LobeFlags {

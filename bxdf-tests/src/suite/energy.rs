@@ -5,7 +5,7 @@ use crate::claims::Energy;
 use crate::specimen::Transport;
 use crate::statistics::{bernstein_reach, ln_bernstein_two_sided};
 use crate::survey::Albedo;
-use crate::verdict::{Check, Ledger};
+use crate::verdict::{Check, Ledger, Witness};
 
 /// A difference of the two estimates that must not go unnoticed, as a fraction of the albedo. Weights without bound
 /// hide more than that, and the verdict says so.
@@ -19,22 +19,31 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     let level = examination.plan.ln_level();
     // Sums of rounded terms; the error of the cubature comes on top.
     let rounding = 64.0 * claims.precision.epsilon();
+    let mut largest_albedo: f64 = 0.0;
     for surveyed in examination.surveys() {
         let setting = &surveyed.setting;
         // Power is what importance carries; radiance gains or loses η² on the way through a boundary.
         let is_power = !claims.transmits || setting.transport == Transport::Importance;
         if is_power && let Some(energy) = claims.energy {
+            let (most, least) = match energy {
+                Energy::Conserving => (1.0, 0.0),
+                Energy::Lossless { within } => (1.0 + within, 1.0 - within),
+                Energy::Exceeding { at_most } => (at_most, 0.0),
+            };
+            let lit = claims.two_sided || setting.wo[2] > 0.0;
             let Albedo { value, error } = surveyed.survey.albedo();
             for (albedo, error) in value.into_iter().zip(error) {
                 let (error, witness) = (error + rounding, setting.witness());
-                let mut above = Check::new("directional albedo above 1", albedo - 1.0, error, witness);
+                let mut above =
+                    Check::new("directional albedo above its limit", albedo - most, error, witness);
                 above.inconclusive =
                     (error > WORST_ERROR).then_some("the integral of f cos does not converge");
                 ledger.record(above);
-                if energy == Energy::Lossless && (claims.two_sided || setting.wo[2] > 0.0) {
-                    let loss = 1.0 - albedo;
+                if lit && least > 0.0 {
+                    let loss = least - albedo;
                     ledger.record(Check::new("energy lost by a lossless specimen", loss, error, witness));
                 }
+                largest_albedo = largest_albedo.max(albedo - error);
             }
         }
         examination.judge(surveyed, ledger, |Surveyed { survey, tally, .. }| {
@@ -67,5 +76,9 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
             };
             (0..3).map(p_value).collect()
         });
+    }
+    if matches!(claims.energy, Some(Energy::Exceeding { .. })) {
+        let what = "distance of the largest albedo from exceeding 1, which is claimed";
+        ledger.record(Check::new(what, 1.0 - largest_albedo, 0.0, Witness::default()));
     }
 }
