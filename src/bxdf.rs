@@ -21,6 +21,16 @@ pub enum TransportMode {
     Importance,
 }
 
+/// What refraction makes of f where `eta` is the index of the side entered over the side left: 1/η² of radiance, 1
+/// of importance.
+#[inline]
+pub(crate) fn squeeze<F: Real>(eta: F, mode: TransportMode) -> F {
+    match mode {
+        TransportMode::Radiance => F::ONE / (eta * eta),
+        TransportMode::Importance => F::ONE,
+    }
+}
+
 /// The density of a sample, in the measure that it was drawn from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pdf<F> {

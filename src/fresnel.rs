@@ -8,7 +8,7 @@
 //! approximation for conductors (7 and 8, here [`conductor_thesis`]); this module squares the amplitudes and
 //! adds total internal reflection.
 
-use crate::parameter::{OutOfRange, require};
+use crate::parameter::{OutOfRange, require, require_fractions};
 use crate::real::Real;
 use crate::rgb::Rgb;
 
@@ -256,7 +256,7 @@ pub enum Fresnel<F> {
 impl<F: Real> Fresnel<F> {
     /// A constant reflectance in \[0, 1\] per channel.
     pub fn constant(reflectance: Rgb<F>) -> Result<Self, OutOfRange> {
-        Ok(Self::Constant(require_reflectance(reflectance)?))
+        Ok(Self::Constant(require_fractions("reflectance", reflectance)?))
     }
     /// A dielectric of relative index `eta` ∈ \[1e-3, 1e3\].
     pub fn dielectric(eta: F) -> Result<Self, OutOfRange> {
@@ -275,6 +275,18 @@ impl<F: Real> Fresnel<F> {
             )?;
         }
         Ok(Self::Conductor { eta, k })
+    }
+
+    /// The same material met from inside a medium of index `eta`: its own index is divided by it. A constant stays.
+    ///
+    /// A coated metal needs this: with the index relative to air aluminium under varnish is up to 0.1 too bright.
+    pub fn immersed(self, eta: F) -> Result<Self, OutOfRange> {
+        let outer = require_eta(eta)?;
+        match self {
+            Self::Constant(_) => Ok(self),
+            Self::Dielectric { eta } => Self::dielectric(eta / outer),
+            Self::Conductor { eta, k } => Self::conductor(eta / outer, k / outer),
+        }
     }
 
     /// Reflectance for unpolarised light that arrives from above.
@@ -296,19 +308,6 @@ impl<F: Real> Fresnel<F> {
 pub(crate) fn require_eta<F: Real>(eta: F) -> Result<F, OutOfRange> {
     let (low, high) = (F::from_f64(1e-3), F::from_f64(1e3));
     require("eta", eta, |eta| eta >= low && eta <= high, "relative index of refraction in [0.001, 1000]")
-}
-
-/// A reflectance that a lobe accepts: no channel reflects more than it receives.
-pub(crate) fn require_reflectance<F: Real>(reflectance: Rgb<F>) -> Result<Rgb<F>, OutOfRange> {
-    for value in reflectance.0 {
-        require(
-            "reflectance",
-            value,
-            |value| value >= F::ZERO && value <= F::ONE,
-            "a fraction in [0, 1] per channel",
-        )?;
-    }
-    Ok(reflectance)
 }
 
 #[cfg(test)]

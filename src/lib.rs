@@ -12,9 +12,9 @@
 //! |---|---|
 //! | 5 | [`report`] |
 //! | 4 | [`specimen`]; `bxdf_tests` is named from here up only |
-//! | 2 | [`bxdf`], [`lobe`] |
+//! | 2 | [`bxdf`], [`lobe`], [`stack`] |
 //! | 1 | [`fresnel`], [`microfacet`], [`ior`] |
-//! | 0 | [`real`], [`frame`], [`warp`], [`rgb`], [`special`], [`parameter`] |
+//! | 0 | [`real`], [`frame`], [`warp`], [`rgb`], [`special`], [`parameter`], `quadrature`, `table` |
 //!
 //! # Conventions
 //! The frame is local: the normal is +z. `wo` is given, `wi` is sampled; both have unit length and leave the
@@ -40,10 +40,12 @@ pub mod ior;
 pub mod lobe;
 pub mod microfacet;
 pub mod parameter;
+mod quadrature;
 pub mod real;
 pub mod report;
-
 pub mod rgb;
 pub mod special;
 pub mod specimen;
+pub mod stack;
+mod table;
 pub mod warp;

@@ -7,13 +7,15 @@ use crate::bxdf::{Bxdf, BxdfSample, LobeFlags, TransportMode};
 use crate::real::Real;
 use crate::rgb::Rgb;
 
+pub use refractive_layer::{Coat, LayerError};
+
 macro_rules! lobes {
     ($($module:ident :: $name:ident : $summary:literal,)+) => {
         $(mod $module; pub use $module::$name;)+
 
         /// Any one of the lobes.
         #[derive(Clone, Debug)]
-        pub enum Lobe<F> {
+        pub enum Lobe<F: Real> {
             $(#[doc = $summary] $name($name<F>),)+
         }
 
@@ -38,7 +40,7 @@ macro_rules! lobes {
             }
         }
 
-        $(impl<F> From<$name<F>> for Lobe<F> {
+        $(impl<F: Real> From<$name<F>> for Lobe<F> {
             fn from(lobe: $name<F>) -> Self { Self::$name(lobe) }
         })+
 
@@ -67,10 +69,20 @@ macro_rules! lobes {
 
 lobes! {
     lambertian::Lambertian: "ideal diffuse reflection",
+    oren_nayar::OrenNayar: "diffuse reflection at a rough surface: Oren-Nayar in four forms",
+    fabric::Fabric: "diffuse reflection with a share that goes back to where it came from",
     specular_reflection::SpecularReflection: "mirror reflection: ideal, or at a smooth conductor or coat",
     dielectric_specular::DielectricSpecular: "reflection and refraction at a smooth boundary of dielectrics",
+    specular_transmission::SpecularTransmission: "ideal transmission: straight through",
+    thin_sheet::ThinSheet: "a sheet of glass with both its faces: mirror reflection, straight transmission",
     microfacet_reflection::MicrofacetReflection: "reflection at a rough conductor or dielectric",
+    microfacet_dielectric::MicrofacetDielectric: "reflection and refraction at a rough boundary of dielectrics",
+    kulla_conty_reflection::KullaContyReflection: "what a rough reflector returns after two and more bounces",
+    kulla_conty_dielectric::KullaContyDielectric: "what a rough boundary of dielectrics scatters after two and more bounces",
+    refractive_layer::RefractiveLayer: "a transparent layer over any base",
 }
+
+pub use oren_nayar::OrenNayarModel;
 
 #[cfg(test)]
 mod tests {

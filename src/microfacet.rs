@@ -11,13 +11,22 @@
 //! | `d` | density of micro normals \[sr⁻¹\]: ∫ D cos θ dω = 1 |
 //! | `projected_area` | σ above |
 //! | `lambda`, `g1`, `g2` | Smith's auxiliary function, masking, masking–shadowing |
+//!
+//! Masking–shadowing is Smith's (facets scattered at random over a height field), or that of V-shaped cavities
+//! (Torrance–Sparrow, Cook–Torrance, Blinn): a choice of the distribution, not another lobe.
 
 mod beckmann;
+mod gaussian;
 mod ggx;
+mod shadowing;
 
-use crate::frame::{sin2_theta, stretch};
+pub use shadowing::{NoSmithForm, Shadowing};
+
+use crate::frame::{is_above, reflect, sin2_theta, stretch};
 use crate::parameter::{OutOfRange, require};
+use crate::quadrature::{kronecker, unit_square};
 use crate::real::{Real, Vector};
+use crate::special::beta;
 
 /// The shape of a distribution of micro normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,14 +35,20 @@ pub enum Shape {
     Ggx,
     /// Beckmann–Spizzichino: Gaussian slopes.
     Beckmann,
+    /// Gaussian angles (Cook–Torrance 1982): D ∝ e^{−(θ/α)²}. Its masking is that of V-cavities.
+    Gaussian,
 }
 
-/// A distribution of micro normals with Smith masking–shadowing.
+/// A distribution of micro normals with its masking–shadowing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distribution<F> {
     shape: Shape,
+    shadowing: Shadowing,
     alpha_x: F,
     alpha_y: F,
+    is_smooth: bool,
+    /// D(n): 1 / (π αx αy), but for the Gaussian.
+    peak: F,
 }
 
 /// The smallest roughness at which a microfacet lobe is evaluated.
@@ -42,17 +57,76 @@ pub struct Distribution<F> {
 /// at 1e-4 seven digits have become three. The albedo of the smooth limit differs by α² = 1e-8.
 pub const ALPHA_MIN: f64 = 1e-4;
 
+/// Scattering about one facet, as a lobe needs it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FacetScattering<F> {
+    /// f without the Fresnel term \[sr⁻¹\]; for transmission in the measure of importance.
+    pub value: F,
+    /// Density \[sr⁻¹\] of scattering `wo` about a sampled normal into `wi`.
+    pub pdf: F,
+    /// Cosine between `wo` and the facet, ≥ 0.
+    pub cos_theta_o: F,
+}
+
 impl<F: Real> Distribution<F> {
-    /// A distribution with roughness `alpha_x`, `alpha_y` ∈ \[[`ALPHA_MIN`], 1\] in slope units.
+    /// A distribution with roughness `alpha_x`, `alpha_y` ∈ \[0, 1\] in slope units (radians for the Gaussian) and
+    /// height-correlated Smith masking (V-cavities for the Gaussian).
+    ///
+    /// Where both are below [`ALPHA_MIN`] the surface is smooth and its lobes are Dirac deltas; where one is, the
+    /// other makes a line of the highlight, and the smaller one counts as [`ALPHA_MIN`].
     pub fn new(shape: Shape, alpha_x: F, alpha_y: F) -> Result<Self, OutOfRange> {
         let low = F::from_f64(ALPHA_MIN);
-        let valid = |alpha: F| alpha >= low && alpha <= F::ONE;
-        let expected = "roughness in slope units in [0.0001, 1] (0 is a specular lobe)";
-        Ok(Self {
-            shape,
-            alpha_x: require("alpha_x", alpha_x, valid, expected)?,
-            alpha_y: require("alpha_y", alpha_y, valid, expected)?,
-        })
+        let valid = |alpha: F| alpha >= F::ZERO && alpha <= F::ONE;
+        let expected = "roughness in slope units in [0, 1]";
+        let alpha_x = require("alpha_x", alpha_x, valid, expected)?;
+        let alpha_y = require("alpha_y", alpha_y, valid, expected)?;
+        let is_smooth = alpha_x < low && alpha_y < low;
+        let (alpha_x, alpha_y) = (alpha_x.max(low), alpha_y.max(low));
+        let (shadowing, peak) = match shape {
+            Shape::Ggx | Shape::Beckmann => {
+                (Shadowing::SmithCorrelated, F::ONE / (F::PI * alpha_x * alpha_y))
+            }
+            Shape::Gaussian => {
+                (Shadowing::VCavity, F::from_f64(gaussian::normalization(alpha_x.to_f64(), alpha_y.to_f64())))
+            }
+        };
+        Ok(Self { shape, shadowing, alpha_x, alpha_y, is_smooth, peak })
+    }
+
+    /// The same normals with another masking–shadowing.
+    ///
+    /// # Errors
+    /// The Gaussian's projected area has no closed form: it takes V-cavities only.
+    pub fn with_shadowing(self, shadowing: Shadowing) -> Result<Self, NoSmithForm> {
+        if self.shape == Shape::Gaussian && shadowing != Shadowing::VCavity {
+            return Err(NoSmithForm);
+        }
+        Ok(Self { shadowing, ..self })
+    }
+
+    /// `true` if the roughness is too small to be resolved: lobes are then Dirac deltas.
+    pub fn is_smooth(&self) -> bool {
+        self.is_smooth
+    }
+
+    /// `true` if the distribution does not change under rotation about the normal.
+    pub fn is_isotropic(&self) -> bool {
+        self.alpha_x == self.alpha_y
+    }
+
+    /// The larger roughness.
+    pub fn largest_alpha(&self) -> F {
+        self.alpha_x.max(self.alpha_y)
+    }
+
+    /// The masking–shadowing.
+    pub fn shadowing(&self) -> Shadowing {
+        self.shadowing
+    }
+
+    /// `true` if normals are sampled in exact proportion to their visible area.
+    pub fn samples_visible_normals(&self) -> bool {
+        self.shape != Shape::Gaussian
     }
 
     /// Density of micro normals at the unit vector `m` \[sr⁻¹\]; 0 where `m` is not above the surface.
@@ -65,14 +139,15 @@ impl<F: Real> Distribution<F> {
         }
         let (x, y) = (m.x() / self.alpha_x, m.y() / self.alpha_y);
         let stretched = x * x + y * y;
-        let area = F::PI * self.alpha_x * self.alpha_y;
-        match self.shape {
-            Shape::Ggx => ggx::density(stretched, m.z()) / area,
-            Shape::Beckmann => beckmann::density(stretched, m.z()) / area,
-        }
+        self.peak
+            * match self.shape {
+                Shape::Ggx => ggx::density(stretched, m.z()),
+                Shape::Beckmann => beckmann::density(stretched, m.z()),
+                Shape::Gaussian => gaussian::density(stretched, sin2_theta::<F>(m), m.z()),
+            }
     }
 
-    /// σ(w): area of the micro surface that the unit vector `w` sees, per unit of macro surface.
+    /// σ(w): area of the micro surface that the unit vector `w` sees, per unit of macro surface, after Smith.
     ///
     /// Positive for directions below the horizon as well, where it is what a ray inside the micro surface sees.
     #[inline]
@@ -80,95 +155,258 @@ impl<F: Real> Distribution<F> {
         let (x, y) = (self.alpha_x * w.x(), self.alpha_y * w.y());
         let s_squared = x * x + y * y;
         match self.shape {
-            Shape::Ggx => ggx::projected_area(w.z(), s_squared),
             Shape::Beckmann => beckmann::projected_area(w.z(), s_squared),
+            // No constructor gives a Gaussian Smith's masking.
+            Shape::Ggx | Shape::Gaussian => ggx::projected_area(w.z(), s_squared),
         }
     }
 
-    /// Smith masking G₁(w) = cos θ / σ(w): the visible fraction of the facets that face `w`.
+    /// Smith's Λ(w) = σ(w) / cos θ − 1, for `w` above the surface; `None` for V-cavities.
     #[inline]
-    pub fn g1(&self, w: F::Vec3) -> F {
-        if w.z() <= F::ZERO { F::ZERO } else { w.z() / self.projected_area(w) }
+    pub fn lambda(&self, w: F::Vec3) -> Option<F> {
+        let s_squared = sin2_theta::<F>(stretch::<F>(w, self.alpha_x, self.alpha_y));
+        match (self.shadowing, self.shape) {
+            (Shadowing::VCavity, _) | (_, Shape::Gaussian) => None,
+            (_, Shape::Ggx) => Some(ggx::lambda(w.z(), s_squared)),
+            (_, Shape::Beckmann) => Some(beckmann::lambda(w.z(), s_squared)),
+        }
     }
 
-    /// Height-correlated Smith masking–shadowing over 4 cos θo cos θi, for reflection:
-    /// 1 / (4 (σ_o cos θi + σ_i cos θo − cos θo cos θi)).
+    /// Masking G₁(w, m): the fraction of the facets of normal `m` that `w` sees among those that face it.
     ///
-    /// Heitz, *JCGT* 3(2), 2014, equation 99, <https://jcgt.org/published/0003/02/03/>.
+    /// Smith's is cos θ / σ(w) for all of them, that of V-cavities min(1, 2 cos θm cos θ / (w·m)).
     #[inline]
-    pub fn visibility(&self, wo: F::Vec3, wi: F::Vec3) -> F {
-        F::ONE / (F::FOUR * self.visibility_denominator(self.projected_area(wo), wo, wi))
+    pub fn g1(&self, w: F::Vec3, m: F::Vec3) -> F {
+        let facing = w.dot(m);
+        if w.z() <= F::ZERO || facing <= F::ZERO {
+            return F::ZERO;
+        }
+        match self.shadowing {
+            Shadowing::VCavity => shadowing::v_cavity(m.z(), w.z(), facing),
+            Shadowing::SmithCorrelated | Shadowing::SmithSeparable => w.z() / self.projected_area(w),
+        }
+    }
+
+    /// Masking–shadowing G₂(wo, wi, m) of a facet seen from both directions: `wo` above the surface, `wi` above it
+    /// (reflection) or below (transmission).
+    #[inline]
+    pub fn g2(&self, wo: F::Vec3, wi: F::Vec3, m: F::Vec3) -> F {
+        if wi.z() < F::ZERO {
+            return self.g2_transmission(wo, -wi, m);
+        }
+        match self.shadowing {
+            Shadowing::SmithCorrelated => {
+                let sigma_o = self.projected_area(wo);
+                wo.z() * wi.z() / self.correlated_denominator(sigma_o, wo, wi)
+            }
+            Shadowing::SmithSeparable => self.g1(wo, m) * self.g1(wi, m),
+            Shadowing::VCavity => self.g1(wo, m).min(self.g1(wi, m)),
+        }
+    }
+
+    /// G₂ across the surface, of `wo` above it and the *reverse* of a direction below it.
+    ///
+    /// Smith: B(1 + Λo, 1 + Λi), because what hides a point of the height field from above is what it shows
+    /// below. Heitz et al., *ACM TOG* 35(4), 2016, <https://doi.org/10.1145/2897824.2925943>. With the correlated
+    /// form of reflection T is too large by up to 109 % (α = 1, 75°). V-cavities: `wo` sees the upper part of a
+    /// facet and the other direction its lower part; they share max(0, G₁o + G₁i − 1) of it.
+    #[inline]
+    fn g2_transmission(&self, wo: F::Vec3, back: F::Vec3, m: F::Vec3) -> F {
+        match self.shadowing {
+            Shadowing::VCavity => (self.g1(wo, m) + self.g1(back, m) - F::ONE).max(F::ZERO),
+            Shadowing::SmithCorrelated | Shadowing::SmithSeparable => {
+                beta(self.projected_area(wo) / wo.z(), self.projected_area(back) / back.z())
+            }
+        }
     }
 
     /// σ_o cos θi + σ_i cos θo − cos θo cos θi; each term is positive, as σ ≥ cos θ.
     #[inline]
-    fn visibility_denominator(&self, sigma_o: F, wo: F::Vec3, wi: F::Vec3) -> F {
+    fn correlated_denominator(&self, sigma_o: F, wo: F::Vec3, wi: F::Vec3) -> F {
         self.projected_area(wi) * wo.z() + (sigma_o - wo.z()) * wi.z()
     }
 
-    /// Height-correlated Smith masking–shadowing for reflection; both directions above the surface.
-    #[inline]
-    pub fn g2(&self, wo: F::Vec3, wi: F::Vec3) -> F {
-        wo.z() * wi.z() / self.visibility_denominator(self.projected_area(wo), wo, wi)
-    }
-
-    /// Density \[sr⁻¹\] of [`Self::sample_visible`]: D(m) max(0, w·m) / σ(w).
+    /// Density \[sr⁻¹\] of [`Self::sample_visible`].
     #[inline]
     pub fn visible_pdf(&self, w: F::Vec3, m: F::Vec3) -> F {
-        self.d(m) * w.dot(m).max(F::ZERO) / self.projected_area(w)
+        let facing = w.dot(m).max(F::ZERO);
+        match self.shadowing {
+            Shadowing::VCavity => self.folded_pdf(w, m, facing) * facing,
+            Shadowing::SmithCorrelated | Shadowing::SmithSeparable => {
+                self.d(m) * facing / self.projected_area(w)
+            }
+        }
     }
 
-    /// Draws a micro normal in proportion to the area that the unit vector `w` sees of it.
-    ///
-    /// Heitz & d'Eon, *Computer Graphics Forum* 33(4), 2014, <https://doi.org/10.1111/cgf.12417>.
+    /// [`Self::visible_pdf`] of V-cavities over w·m: q(m) min(2 / (w·m), 1 / (cos θm cos θ)), where q is the density of
+    /// normals before the visible one of the two walls of a cavity is picked.
     #[inline]
-    pub fn sample_visible(&self, w: F::Vec3, u: [F; 2]) -> F::Vec3 {
+    fn folded_pdf(&self, w: F::Vec3, m: F::Vec3, facing: F) -> F {
+        if m.z() <= F::ZERO {
+            return F::ZERO;
+        }
+        let density = match self.shape {
+            Shape::Ggx | Shape::Beckmann => self.d(m) * m.z(),
+            Shape::Gaussian => gaussian::sampling_pdf(m, self.alpha_x, self.alpha_y),
+        };
+        density * (F::TWO / facing).min(F::ONE / (m.z() * w.z()))
+    }
+
+    /// Draws a micro normal in proportion to the area that the unit vector `w` sees of it (for the Gaussian: nearly
+    /// so), and returns it with what is left of the uniform `uc`.
+    ///
+    /// Smith: Heitz & d'Eon, *Computer Graphics Forum* 33(4), 2014, <https://doi.org/10.1111/cgf.12417>. V-cavities: a
+    /// normal regardless of visibility, then it or its mirror image, the other wall of the cavity. `None` where a
+    /// Gaussian normal falls below the horizon.
+    #[inline]
+    pub fn sample_visible(&self, w: F::Vec3, uc: F, u: [F; 2]) -> Option<(F::Vec3, F)> {
+        if self.shadowing == Shadowing::VCavity {
+            return self.sample_wall(w, uc, u);
+        }
         // A distribution stretched by α is the unit-roughness one, seen from the stretched direction.
         let stretched = stretch::<F>(w, self.alpha_x, self.alpha_y).normalize();
         let m = match self.shape {
-            Shape::Ggx => ggx::sample_visible_unit::<F>(stretched, u),
             Shape::Beckmann => beckmann::sample_visible_unit::<F>(stretched, u),
+            Shape::Ggx | Shape::Gaussian => ggx::sample_visible_unit::<F>(stretched, u),
         };
-        stretch::<F>(m, self.alpha_x, self.alpha_y).normalize()
+        Some((stretch::<F>(m, self.alpha_x, self.alpha_y).normalize(), uc))
     }
 
-    /// Reflection from `wo` into `wi`, both above the surface: D(h) G₂ / (4 cos θo cos θi) and wo·h.
+    fn sample_wall(&self, w: F::Vec3, uc: F, u: [F; 2]) -> Option<(F::Vec3, F)> {
+        let slope = |radius: F| {
+            let (sin_phi, cos_phi) = (F::TWO * F::PI * u[1]).sin_cos();
+            (self.alpha_x * radius * cos_phi, self.alpha_y * radius * sin_phi)
+        };
+        let radius = match self.shape {
+            Shape::Ggx => (u[0] / (F::ONE - u[0])).sqrt(),
+            Shape::Beckmann | Shape::Gaussian => (-(-u[0]).ln_1p()).sqrt(),
+        };
+        let (x, y) = slope(radius);
+        let m = match self.shape {
+            Shape::Ggx | Shape::Beckmann => F::Vec3::new(x, y, F::ONE).normalize(),
+            Shape::Gaussian => gaussian::normal_at::<F>(x, y)?,
+        };
+        let mirrored = F::Vec3::new(-m.x(), -m.y(), m.z());
+        let (facing, other) = (w.dot(m).max(F::ZERO), w.dot(mirrored).max(F::ZERO));
+        let share = facing / (facing + other);
+        Some(if uc < share { (m, uc / share) } else { (mirrored, (uc - share) / (F::ONE - share)) })
+    }
+
+    /// Reflection from `wo` into `wi`, both above the surface, about h = (wo + wi) / |wo + wi|:
+    /// D(h) G₂ / (4 cos θo cos θi).
     #[inline]
-    pub fn reflection(&self, wo: F::Vec3, wi: F::Vec3) -> (F, F) {
+    pub fn reflection(&self, wo: F::Vec3, wi: F::Vec3) -> FacetScattering<F> {
         let h = (wo + wi).normalize();
+        self.reflection_about(wo, wi, h)
+    }
+
+    /// [`Self::reflection`] about a facet `m` that was sampled.
+    ///
+    /// Smith, height-correlated: D / (4 (σ_o cos θi + σ_i cos θo − cos θo cos θi)) (Heitz, *JCGT* 3(2), 2014,
+    /// equation 99, <https://jcgt.org/published/0003/02/03/>); separable: D / (4 σ_o σ_i). The density is D / (4 σ_o).
+    #[inline]
+    pub fn reflection_about(&self, wo: F::Vec3, wi: F::Vec3, m: F::Vec3) -> FacetScattering<F> {
         // Opposite directions at grazing incidence: rounding can bring the facet to face away.
-        (self.d(h) * self.visibility(wo, wi), wo.dot(h).max(F::ZERO))
+        let cos_theta_o = wo.dot(m).max(F::ZERO);
+        let (visibility, pdf) = match self.shadowing {
+            Shadowing::VCavity => {
+                let (low, high) = (wo.z().min(wi.z()), wo.z().max(wi.z()));
+                let open = F::ONE / (F::FOUR * low * high);
+                let closed = m.z() / (F::TWO * high * cos_theta_o);
+                let pdf = self.folded_pdf(wo, m, cos_theta_o) / F::FOUR;
+                (open.min(closed), pdf)
+            }
+            Shadowing::SmithCorrelated => {
+                let sigma_o = self.projected_area(wo);
+                let denominator = self.correlated_denominator(sigma_o, wo, wi);
+                (F::ONE / (F::FOUR * denominator), F::ONE / (F::FOUR * sigma_o))
+            }
+            Shadowing::SmithSeparable => {
+                let quarter = F::ONE / (F::FOUR * self.projected_area(wo));
+                (quarter / self.projected_area(wi), quarter)
+            }
+        };
+        let d = self.d(m);
+        let pdf = if self.shadowing == Shadowing::VCavity { pdf } else { d * pdf };
+        FacetScattering { value: d * visibility, pdf, cos_theta_o }
     }
 
-    /// Density \[sr⁻¹\] of reflecting `wo` about a visible normal into `wi`: D(h) / (4 σ(wo)).
+    /// Directional albedo of single scattering at F = 1 for directions of the given cosine, by averaging over visible
+    /// normals and, for an anisotropic distribution, over the azimuth.
+    pub(crate) fn single_scattering(&self, cos_theta: f64) -> f64 {
+        let azimuths = if self.is_isotropic() { 1 } else { 16 };
+        // The limit of grazing incidence, not the tangent plane itself.
+        let cos_theta = cos_theta.max(1e-9);
+        let sin_theta = ((1.0 - cos_theta) * (1.0 + cos_theta)).sqrt();
+        let at = |azimuth: usize| {
+            let turn = core::f64::consts::TAU * azimuth as f64 / azimuths as f64;
+            let (sin_phi, cos_phi) = libm::sincos(turn);
+            let wo = F::Vec3::from_f64([sin_theta * cos_phi, sin_theta * sin_phi, cos_theta]);
+            let weight = |(i, (u, share)): (usize, ([f64; 2], f64))| {
+                let uc = F::from_f64(kronecker(i)[0]);
+                let (wm, _) = self.sample_visible(wo, uc, u.map(F::from_f64))?;
+                let wi = reflect::<F>(wo, wm);
+                let facet = is_above::<F>(wi).then(|| self.reflection_about(wo, wi, wm))?;
+                Some(share * (facet.value * wi.z() / facet.pdf).to_f64())
+            };
+            unit_square([12, 6]).enumerate().filter_map(weight).sum::<f64>()
+        };
+        (0..azimuths).map(at).sum::<f64>() / azimuths as f64
+    }
+
+    /// Transmission from `wo` above the surface into `wi` below it, where the index of refraction is `eta` times that
+    /// above, about h = ±(wo + η wi) / |wo + η wi|; `None` where no facet does that.
+    ///
+    /// # Definition
+    /// D(h) G₂ |wo·h| |wi·h| η² / (|cos θo cos θi| (wo·h + η wi·h)²), importance; Walter et al., EGSR 2007,
+    /// equation 21, <https://doi.org/10.2312/EGWR/EGSR07/195-206>. The denominator is |wo + η wi|², because h has
+    /// the direction of wo + η wi.
     #[inline]
-    pub fn reflection_pdf(&self, wo: F::Vec3, wi: F::Vec3) -> F {
-        let h = (wo + wi).normalize();
-        self.d(h) / (F::FOUR * self.projected_area(wo))
-    }
-
-    /// For `wi`, the reflection of `wo` about the visible normal `m`: [`Self::reflection_pdf`], and
-    /// G₂(wo, wi) / G₁(wo), the weight before the Fresnel term.
-    #[inline]
-    pub fn reflection_sample(&self, wo: F::Vec3, wi: F::Vec3, m: F::Vec3) -> (F, F) {
-        let sigma_o = self.projected_area(wo);
-        let pdf = self.d(m) / (F::FOUR * sigma_o);
-        (pdf, wi.z() * sigma_o / self.visibility_denominator(sigma_o, wo, wi))
-    }
-
-    /// `true` if the distribution does not change under rotation about the normal.
-    pub fn is_isotropic(&self) -> bool {
-        self.alpha_x == self.alpha_y
-    }
-
-    /// Smith's Λ(w) = σ(w) / cos θ − 1, for `w` above the surface.
-    #[inline]
-    pub fn lambda(&self, w: F::Vec3) -> F {
-        let s_squared = sin2_theta::<F>(stretch::<F>(w, self.alpha_x, self.alpha_y));
-        match self.shape {
-            Shape::Ggx => ggx::lambda(w.z(), s_squared),
-            Shape::Beckmann => beckmann::lambda(w.z(), s_squared),
+    pub fn transmission(&self, wo: F::Vec3, wi: F::Vec3, eta: F) -> Option<FacetScattering<F>> {
+        let sum = wo + wi * eta;
+        let length_squared = sum.dot(sum);
+        let h = sum.normalize();
+        let h = if h.z() < F::ZERO { -h } else { h };
+        let (cos_theta_o, cos_theta_t) = (wo.dot(h), -wi.dot(h));
+        if !(cos_theta_o > F::ZERO && cos_theta_t > F::ZERO && h.z() > F::ZERO) {
+            return None;
         }
+        Some(self.transmission_about(wo, wi, h, cos_theta_o, cos_theta_t, eta * eta / length_squared))
+    }
+
+    /// [`Self::transmission`] about a facet `m` that was sampled, of which the cosines are known.
+    #[inline]
+    pub fn refraction(
+        &self,
+        wo: F::Vec3,
+        wi: F::Vec3,
+        m: F::Vec3,
+        [cos_theta_o, cos_theta_t]: [F; 2],
+        eta: F,
+    ) -> FacetScattering<F> {
+        // |wo + η wi| = |cos θo − η cos θt| = |η² − 1| / (cos θo + η cos θt), which does not cancel.
+        let inverse_length = (cos_theta_o + eta * cos_theta_t) / ((eta - F::ONE) * (eta + F::ONE));
+        let scale = (eta * inverse_length).squared();
+        self.transmission_about(wo, wi, m, cos_theta_o, cos_theta_t, scale)
+    }
+
+    #[inline]
+    fn transmission_about(
+        &self,
+        wo: F::Vec3,
+        wi: F::Vec3,
+        m: F::Vec3,
+        cos_theta_o: F,
+        cos_theta_t: F,
+        scale: F,
+    ) -> FacetScattering<F> {
+        let jacobian = cos_theta_t * scale;
+        let pdf = self.visible_pdf(wo, m) * jacobian;
+        let g2 = self.g2_transmission(wo, -wi, m);
+        // Both cosines can be so small that their product is nothing; so is G₂ then.
+        let value =
+            if g2 > F::ZERO { self.d(m) * (g2 / wo.z() / -wi.z()) * cos_theta_o * jacobian } else { F::ZERO };
+        FacetScattering { value, pdf, cos_theta_o }
     }
 }
 

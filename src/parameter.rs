@@ -2,6 +2,7 @@
 //! every unknown name is answered with near ones.
 
 use crate::real::Real;
+use crate::rgb::Rgb;
 
 /// A parameter outside its range, with the range and its unit in words.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -25,6 +26,18 @@ pub fn require<F: Real>(
     expected: &'static str,
 ) -> Result<F, OutOfRange> {
     if valid(value) { Ok(value) } else { Err(OutOfRange { parameter, value: value.to_f64(), expected }) }
+}
+
+/// `fractions` itself if every channel is a fraction of the light that meets it.
+pub(crate) fn require_fractions<F: Real>(
+    parameter: &'static str,
+    fractions: Rgb<F>,
+) -> Result<Rgb<F>, OutOfRange> {
+    for value in fractions.0 {
+        let is_fraction = |value| value >= F::ZERO && value <= F::ONE;
+        require(parameter, value, is_fraction, "a fraction in [0, 1] per channel")?;
+    }
+    Ok(fractions)
 }
 
 /// A question about the known names most like `name`, to be appended to an error: `; did you mean …?`, or nothing

@@ -72,10 +72,18 @@ pub trait Real:
     fn is_finite(self) -> bool;
     /// sin x and cos x.
     fn sin_cos(self) -> (Self, Self);
+    /// The angle \[rad\] of the point (`x`, `self`) about the origin.
+    fn atan2(self, x: Self) -> Self;
     /// eˣ.
     fn exp(self) -> Self;
+    /// eˣ − 1, without cancellation near 0.
+    fn exp_m1(self) -> Self;
     /// ln x.
     fn ln(self) -> Self;
+    /// ln (1 + x), accurate for small x.
+    fn ln_1p(self) -> Self;
+    /// Γ(x).
+    fn gamma(self) -> Self;
     /// Error function, see [`special`].
     fn erf(self) -> Self;
     /// Complementary error function, see [`special`].
@@ -125,7 +133,10 @@ pub trait Vector<F: Real>:
 }
 
 macro_rules! implement_real {
-    ($real:ident, $vector:ty, $tangent:expr, $sincos:ident, $exp:ident, $ln:ident, $erf:ident, $erfc:ident) => {
+    (
+        $real:ident, $vector:ty, $tangent:expr, $sincos:ident, $atan2:ident, $exp:ident, $expm1:ident, $ln:ident,
+        $ln_1p:ident, $gamma:ident, $erf:ident, $erfc:ident
+    ) => {
         impl Real for $real {
             type Vec3 = $vector;
             const ZERO: Self = 0.0;
@@ -175,12 +186,28 @@ macro_rules! implement_real {
                 libm::$sincos(self)
             }
             #[inline]
+            fn atan2(self, x: Self) -> Self {
+                libm::$atan2(self, x)
+            }
+            #[inline]
             fn exp(self) -> Self {
                 libm::$exp(self)
             }
             #[inline]
+            fn exp_m1(self) -> Self {
+                libm::$expm1(self)
+            }
+            #[inline]
             fn ln(self) -> Self {
                 libm::$ln(self)
+            }
+            #[inline]
+            fn ln_1p(self) -> Self {
+                libm::$ln_1p(self)
+            }
+            #[inline]
+            fn gamma(self) -> Self {
+                libm::$gamma(self)
             }
             #[inline]
             fn erf(self) -> Self {
@@ -226,5 +253,31 @@ macro_rules! implement_real {
 }
 
 // 2⁻⁶³ and 2⁻⁵¹¹.
-implement_real!(f32, glam::Vec3, f32::from_bits(64 << 23), sincosf, expf, logf, erff, erfcf);
-implement_real!(f64, glam::DVec3, f64::from_bits(512 << 52), sincos, exp, log, erf, erfc);
+implement_real!(
+    f32,
+    glam::Vec3,
+    f32::from_bits(64 << 23),
+    sincosf,
+    atan2f,
+    expf,
+    expm1f,
+    logf,
+    log1pf,
+    tgammaf,
+    erff,
+    erfcf
+);
+implement_real!(
+    f64,
+    glam::DVec3,
+    f64::from_bits(512 << 52),
+    sincos,
+    atan2,
+    exp,
+    expm1,
+    log,
+    log1p,
+    tgamma,
+    erf,
+    erfc
+);

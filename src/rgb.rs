@@ -24,6 +24,12 @@ impl<F: Real> Rgb<F> {
     pub fn map<T>(self, f: impl FnMut(F) -> T) -> Rgb<T> {
         Rgb(self.0.map(f))
     }
+    /// Relative luminance Y, 1 for white: 0.2126 R + 0.7152 G + 0.0722 B (Rec. ITU-R BT.709-6, §3.2).
+    #[inline]
+    pub fn luminance(self) -> F {
+        let [r, g, b] = self.0;
+        F::from_f64(0.2126) * r + F::from_f64(0.7152) * g + F::from_f64(0.0722) * b
+    }
     /// The same triple in double precision; exact.
     #[inline]
     pub fn to_f64(self) -> [f64; 3] {
@@ -96,6 +102,14 @@ mod tests {
         let white = xyz_to_linear_srgb([x / y, 1.0, (1.0 - x - y) / y]);
         for channel in white.0 {
             assert_abs_diff_eq!(channel, 1.0, epsilon = 1e-12);
+        }
+    }
+
+    #[test]
+    fn luminance_is_y() {
+        for xyz in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
+            // The standard rounds its weights to four digits.
+            assert_abs_diff_eq!(xyz_to_linear_srgb(xyz).luminance(), xyz[1], epsilon = 3e-4);
         }
     }
 }

@@ -1,9 +1,11 @@
 //! How our lobes enter the laboratory: the example that every renderer follows.
 //!
-//! [`catalogue`] lists every case of every lobe in both precisions; the cases are in `specimen/cases.rs`. A lobe
-//! without promises or without an arm there does not build; one without a case fails a test by name.
+//! [`catalogue`] lists every case of every [`Kind`] in both precisions; the cases of lobes are in
+//! `specimen/cases.rs`, those of stacks in `specimen/stacks.rs`. A lobe without promises or without an arm there
+//! does not build; a kind without a case fails a test by name.
 
 mod cases;
+mod stacks;
 
 use std::sync::Arc;
 
@@ -16,10 +18,12 @@ use rayon::prelude::*;
 use crate::bxdf::{Bxdf, Pdf, TransportMode};
 use crate::fresnel::{self, Fresnel, Polarized};
 use crate::ior;
-use crate::lobe::{Lobe, LobeKind};
-use crate::microfacet::Distribution;
+use crate::lobe::{LayerError, Lobe, LobeKind, OrenNayarModel};
+use crate::microfacet::{Distribution, NoSmithForm};
 use crate::parameter::OutOfRange;
 use crate::real::{Real, Vector};
+use crate::rgb::Rgb;
+use crate::stack::Stack;
 
 /// A BxDF of ours with its name and claims, as the laboratory sees it.
 #[derive(Clone, Debug)]
@@ -33,9 +37,9 @@ pub struct BxdfSpecimen<F: Real> {
 
 impl<F: Real> BxdfSpecimen<F> {
     /// The specimen `name/precision` with the given claims.
-    pub fn new(name: &str, bxdf: impl Bxdf<F> + 'static, claims: Claims) -> Self {
+    pub fn new(name: &str, bxdf: Arc<dyn Bxdf<F>>, claims: Claims) -> Self {
         let (fresnel, distribution) = (None, None);
-        Self { name: format!("{name}/{}", F::NAME), bxdf: Arc::new(bxdf), claims, fresnel, distribution }
+        Self { name: format!("{name}/{}", F::NAME), bxdf, claims, fresnel, distribution }
     }
 
     /// The specimen `name/precision` of one of our lobes, with what the lobe promises.
@@ -43,7 +47,21 @@ impl<F: Real> BxdfSpecimen<F> {
         let lobe = lobe.into();
         let (fresnel, distribution) = terms(&lobe);
         let claims = promises(&lobe, fresnel);
-        Self { fresnel, distribution, ..Self::new(name, lobe, claims) }
+        Self { fresnel, distribution, ..Self::new(name, Arc::new(lobe), claims) }
+    }
+
+    /// The specimen `name/precision` of a stack, with what its components promise; about energy that says nothing.
+    pub fn of_stack(name: &str, stack: Stack<F>, energy: Energy) -> Self {
+        let parts: Vec<_> = stack.components().iter().map(|lobe| promises(lobe, None)).collect();
+        let claims = Claims {
+            two_sided: parts.iter().any(|part| part.two_sided),
+            transmits: parts.iter().any(|part| part.transmits),
+            isotropic: parts.iter().all(|part| part.isotropic),
+            reciprocal: parts.iter().all(|part| part.reciprocal),
+            energy: Some(energy),
+            ..Claims::reflector(precision::<F>())
+        };
+        Self::new(name, Arc::new(stack), claims)
     }
 
     /// The same specimen with another promise about energy.
@@ -61,11 +79,31 @@ pub fn precision<F: Real>() -> Precision {
 /// The Fresnel term and the micro surface that a lobe exposes.
 fn terms<F: Real>(lobe: &Lobe<F>) -> (Option<Fresnel<F>>, Option<Distribution<F>>) {
     match lobe {
-        Lobe::Lambertian(_) => (None, None),
+        Lobe::Lambertian(_)
+        | Lobe::OrenNayar(_)
+        | Lobe::Fabric(_)
+        | Lobe::SpecularTransmission(_)
+        | Lobe::ThinSheet(_)
+        | Lobe::RefractiveLayer(_)
+        | Lobe::KullaContyReflection(_)
+        | Lobe::KullaContyDielectric(_) => (None, None),
         Lobe::SpecularReflection(lobe) => (Some(lobe.fresnel()), None),
-        Lobe::DielectricSpecular(lobe) => (Some(Fresnel::Dielectric { eta: lobe.eta() }), None),
-        Lobe::MicrofacetReflection(lobe) => (Some(lobe.fresnel()), Some(*lobe.distribution())),
+        Lobe::DielectricSpecular(lobe) => (white_boundary(lobe.eta(), lobe.is_lossless()), None),
+        Lobe::MicrofacetReflection(lobe) => (Some(lobe.fresnel()), rough(lobe.distribution())),
+        Lobe::MicrofacetDielectric(lobe) => {
+            (white_boundary(lobe.eta(), lobe.is_lossless()), rough(lobe.distribution()))
+        }
     }
+}
+
+/// The distribution of a lobe unless the lobe is too smooth to be resolved.
+fn rough<F: Real>(distribution: &Distribution<F>) -> Option<Distribution<F>> {
+    (!distribution.is_smooth()).then_some(*distribution)
+}
+
+/// The Fresnel term of a boundary of dielectrics, as long as nothing is tinted.
+fn white_boundary<F: Real>(eta: F, is_lossless: bool) -> Option<Fresnel<F>> {
+    is_lossless.then_some(Fresnel::Dielectric { eta })
 }
 
 /// What a lobe promises.
@@ -76,19 +114,53 @@ fn promises<F: Real>(lobe: &Lobe<F>, fresnel: Option<Fresnel<F>>) -> Claims {
         Some(Fresnel::Conductor { eta, k }) => Some(Boundary { eta: eta.to_f64(), k: k.to_f64() }),
         Some(Fresnel::Constant(_)) | None => None,
     };
+    let lossless_if =
+        |condition| Some(if condition { Energy::Lossless { within: 0.0 } } else { Energy::Conserving });
     match lobe {
         Lobe::Lambertian(_) => Claims { two_sided: true, ..reflector },
+        Lobe::KullaContyDielectric(_) => Claims { two_sided: true, transmits: true, ..reflector },
+        Lobe::RefractiveLayer(_) | Lobe::KullaContyReflection(_) => reflector,
+        Lobe::OrenNayar(lobe) => {
+            let largest = lobe.reflectance().to_f64().into_iter().fold(0.0, f64::max);
+            let energy = match lobe.model() {
+                OrenNayarModel::EnergyPreserving => lossless_if(lobe.reflectance() == Rgb::WHITE),
+                // Where that is more than 1, roughness decides, and the model promises nothing.
+                model => (largest * model.largest_albedo() <= 1.0).then_some(Energy::Conserving),
+            };
+            Claims { two_sided: true, energy, ..reflector }
+        }
+        Lobe::Fabric(lobe) => {
+            let energy = lossless_if(lobe.reflectance() == Rgb::WHITE);
+            Claims { two_sided: true, energy, ..reflector }
+        }
         Lobe::SpecularReflection(_) => Claims { boundary, ..reflector },
-        Lobe::DielectricSpecular(_) => Claims {
-            two_sided: true,
-            transmits: true,
-            energy: Some(Energy::Lossless { within: 0.0 }),
-            boundary,
-            ..reflector
-        },
+        Lobe::DielectricSpecular(lobe) => {
+            let energy = lossless_if(lobe.is_lossless());
+            Claims { two_sided: true, transmits: true, energy, boundary, ..reflector }
+        }
+        Lobe::SpecularTransmission(lobe) => {
+            let energy = lossless_if(lobe.transmittance() == Rgb::WHITE);
+            Claims { two_sided: true, transmits: true, energy, ..reflector }
+        }
+        Lobe::ThinSheet(lobe) => {
+            let energy = lossless_if(lobe.is_lossless());
+            Claims { two_sided: true, transmits: true, energy, ..reflector }
+        }
         Lobe::MicrofacetReflection(lobe) => {
             let isotropic = lobe.distribution().is_isotropic();
-            Claims { isotropic, boundary, microfacet: true, ..reflector }
+            Claims { isotropic, boundary, microfacet: !lobe.flags().is_delta, ..reflector }
+        }
+        Lobe::MicrofacetDielectric(lobe) => {
+            let is_delta = lobe.flags().is_delta;
+            Claims {
+                two_sided: true,
+                transmits: true,
+                isotropic: lobe.distribution().is_isotropic(),
+                energy: lossless_if(is_delta && lobe.is_lossless()),
+                boundary,
+                microfacet: !is_delta,
+                ..reflector
+            }
         }
     }
 }
@@ -155,37 +227,77 @@ impl<F: Real> Microsurface for Distribution<F> {
     fn d(&self, m: Direction) -> f64 {
         self.d(F::Vec3::from_f64(m)).to_f64()
     }
-    fn lambda(&self, w: Direction) -> f64 {
-        self.lambda(F::Vec3::from_f64(w)).to_f64()
+    fn lambda(&self, w: Direction) -> Option<f64> {
+        self.lambda(F::Vec3::from_f64(w)).map(F::to_f64)
     }
-    fn g1(&self, w: Direction) -> f64 {
-        self.g1(F::Vec3::from_f64(w)).to_f64()
+    fn g1(&self, w: Direction, m: Direction) -> f64 {
+        self.g1(F::Vec3::from_f64(w), F::Vec3::from_f64(m)).to_f64()
     }
-    fn g2(&self, wo: Direction, wi: Direction) -> f64 {
-        self.g2(F::Vec3::from_f64(wo), F::Vec3::from_f64(wi)).to_f64()
+    fn g2(&self, wo: Direction, wi: Direction, m: Direction) -> f64 {
+        self.g2(F::Vec3::from_f64(wo), F::Vec3::from_f64(wi), F::Vec3::from_f64(m)).to_f64()
     }
-    fn visible_pdf(&self, w: Direction, m: Direction) -> f64 {
-        self.visible_pdf(F::Vec3::from_f64(w), F::Vec3::from_f64(m)).to_f64()
+    fn visible_pdf(&self, w: Direction, m: Direction) -> Option<f64> {
+        self.samples_visible_normals()
+            .then(|| self.visible_pdf(F::Vec3::from_f64(w), F::Vec3::from_f64(m)).to_f64())
     }
 }
 
-/// Every case of every lobe, in both precisions.
+/// What the catalogue has cases of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A lobe by itself.
+    Lobe(LobeKind),
+    /// Several lobes as one BxDF.
+    Stack,
+}
+
+impl Kind {
+    /// Every kind there is.
+    pub fn all() -> impl Iterator<Item = Self> {
+        LobeKind::ALL.iter().map(|&kind| Self::Lobe(kind)).chain([Self::Stack])
+    }
+
+    /// Its name, which means all its specimens.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lobe(kind) => kind.name(),
+            Self::Stack => "stack",
+        }
+    }
+
+    /// What it is, in one line.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Lobe(kind) => kind.summary(),
+            Self::Stack => "several lobes as one BxDF",
+        }
+    }
+
+    fn cases<F: Real>(self) -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> {
+        match self {
+            Self::Lobe(kind) => cases::of_lobe(kind),
+            Self::Stack => stacks::cases(),
+        }
+    }
+}
+
+/// Every case of every kind, in both precisions.
 ///
 /// # Errors
 /// Never for the parameters listed here; the constructors' errors are passed on rather than unwrapped.
 pub fn catalogue() -> Result<Vec<Box<dyn bxdf_tests::Specimen>>, CatalogueError> {
-    let lobes: Vec<_> = LobeKind::ALL.iter().map(|&kind| specimens_of(kind)).collect::<Result<_, _>>()?;
-    Ok(lobes.into_iter().flatten().collect())
+    let kinds: Vec<_> = Kind::all().map(specimens_of).collect::<Result<_, _>>()?;
+    Ok(kinds.into_iter().flatten().collect())
 }
 
-/// Every case of one lobe, in both precisions.
+/// Every case of one kind, in both precisions.
 ///
 /// # Errors
 /// As [`catalogue`].
-pub fn specimens_of(kind: LobeKind) -> Result<Vec<Box<dyn bxdf_tests::Specimen>>, CatalogueError> {
+pub fn specimens_of(kind: Kind) -> Result<Vec<Box<dyn bxdf_tests::Specimen>>, CatalogueError> {
     let mut specimens: Vec<Box<dyn bxdf_tests::Specimen>> = Vec::new();
-    specimens.extend(cases::of_lobe::<f64>(kind)?.into_iter().map(|case| Box::new(case) as _));
-    specimens.extend(cases::of_lobe::<f32>(kind)?.into_iter().map(|case| Box::new(case) as _));
+    specimens.extend(kind.cases::<f64>()?.into_iter().map(|case| Box::new(case) as _));
+    specimens.extend(kind.cases::<f32>()?.into_iter().map(|case| Box::new(case) as _));
     Ok(specimens)
 }
 
@@ -218,6 +330,12 @@ pub enum CatalogueError {
     /// A parameter of a lobe is out of range.
     #[error(transparent)]
     Parameter(#[from] OutOfRange),
+    /// A coat that cannot be put on its base.
+    #[error(transparent)]
+    Layer(#[from] LayerError),
+    /// A masking that the distribution does not have.
+    #[error(transparent)]
+    Shadowing(#[from] NoSmithForm),
     /// An optical constant is not to be had.
     #[error(transparent)]
     Ior(#[from] ior::IorError),
@@ -228,11 +346,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_lobe_has_cases_in_both_precisions() {
-        for &kind in LobeKind::ALL {
-            let single = cases::of_lobe::<f32>(kind).unwrap().len();
-            assert!(single > 0, "lobe {} has no cases", kind.name());
-            assert_eq!(single, cases::of_lobe::<f64>(kind).unwrap().len());
+    fn every_kind_has_cases_in_both_precisions() {
+        for kind in Kind::all() {
+            let single = kind.cases::<f32>().unwrap().len();
+            assert!(single > 0, "{} has no cases", kind.name());
+            assert_eq!(single, kind.cases::<f64>().unwrap().len());
         }
     }
 

@@ -36,6 +36,35 @@ pub fn uniform_cap_pdf<F: Real>(height: F) -> F {
     F::ONE / (F::TWO * F::PI * height)
 }
 
+/// Maps the unit square to the sphere with density (p + 1)/4π ((1 + cos θ)/2)ᵖ about +z.
+///
+/// 1 − cos θ is 2m with m = 1 − u₀^(1/(p + 1)), which keeps its digits near the pole.
+#[inline]
+pub fn power_lobe<F: Real>([u0, u1]: [F; 2], exponent: u32) -> F::Vec3 {
+    let m = -(u0.ln() / F::from_f64(f64::from(exponent) + 1.0)).exp_m1();
+    let sin_theta = F::TWO * (m * (F::ONE - m)).sqrt();
+    let (sin_phi, cos_phi) = (F::TWO * F::PI * u1).sin_cos();
+    F::Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, F::ONE - F::TWO * m)
+}
+
+/// Density \[sr⁻¹\] of [`power_lobe`] where ((1 + cos θ)/2)ᵖ has the given value.
+#[inline]
+pub fn power_lobe_pdf<F: Real>(power: F, exponent: u32) -> F {
+    F::from_f64(f64::from(exponent) + 1.0) / (F::FOUR * F::PI) * power
+}
+
+/// `w`, given about +z, turned to lie about the unit vector `axis` (Duff et al., JCGT 6(1), 2017).
+#[inline]
+pub fn about<F: Real>(axis: F::Vec3, w: F::Vec3) -> F::Vec3 {
+    let (x, y, z) = (axis.x(), axis.y(), axis.z());
+    let sign = F::ONE.copysign(z);
+    let a = -F::ONE / (sign + z);
+    let b = x * y * a;
+    let first = F::Vec3::new(F::ONE + sign * x * x * a, sign * b, -sign * x);
+    let second = F::Vec3::new(b, sign + y * y * a, -y);
+    first * w.x() + second * w.y() + axis * w.z()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -61,7 +90,26 @@ mod tests {
                     let cap = density(|u| uniform_cap(u, height), u);
                     assert_relative_eq!(cap, uniform_cap_pdf(height), max_relative = 1e-7);
                 }
+                for exponent in [1, 4, 16] {
+                    let lobe = density(|u| power_lobe(u, exponent), u);
+                    let power = (0.5 * (1.0 + power_lobe::<f64>(u, exponent).z)).powi(exponent as i32);
+                    assert_relative_eq!(lobe, power_lobe_pdf(power, exponent), max_relative = 1e-7);
+                }
             }
+        }
+    }
+
+    #[test]
+    fn turning_about_an_axis_keeps_lengths_and_the_angle_to_it() {
+        let w = glam::DVec3::new(0.48, -0.6, 0.64);
+        for axis in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.6, 0.0, -0.8], [-0.48, 0.64, 0.6], [1.0, 0.0, 0.0]]
+        {
+            let axis = glam::DVec3::from_array(axis);
+            let turned = about::<f64>(axis, w);
+            assert!(
+                (turned.length() - 1.0).abs() < 4e-16 && (turned.dot(axis) - w.z).abs() < 4e-16,
+                "{axis}"
+            );
         }
     }
 
@@ -73,6 +121,7 @@ mod tests {
                 let w = cosine_hemisphere([u0, u1]);
                 assert!(w.z > 0.0 && (w.length() - 1.0).abs() < 3e-7, "{w}");
                 assert!((uniform_cap([u0, u1], 2.0f32).length() - 1.0).abs() < 3e-7);
+                assert!((power_lobe::<f32>([u0, u1], 16).length() - 1.0).abs() < 3e-7);
             }
         }
     }

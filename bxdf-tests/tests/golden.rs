@@ -158,7 +158,7 @@ impl DistributionRow {
     fn tolerance_d<F: Real>(&self) -> f64 {
         let (exponent, underflow) = match self.shape() {
             Shape::Ggx => (0.0, 0.0),
-            Shape::Beckmann => {
+            Shape::Beckmann | Shape::Gaussian => {
                 let z2 = self.z * self.z;
                 let exponent = ((self.x / self.alpha_x).powi(2) + (self.y / self.alpha_y).powi(2)) / z2;
                 (exponent, smallest_normal::<F>() / (PI * self.alpha_x * self.alpha_y * z2 * z2))

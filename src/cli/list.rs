@@ -1,11 +1,10 @@
-//! `gonio list`: lobes, specimens and suites.
+//! `gonio list`: lobes, stacks, specimens and suites.
 
 use std::fmt::Write as _;
 use std::process::ExitCode;
 
 use bxdf_tests::Suite;
-use gonio::lobe::LobeKind;
-use gonio::specimen::{CatalogueError, specimens_of};
+use gonio::specimen::{CatalogueError, Kind, specimens_of};
 use serde::Serialize;
 
 use super::{Failure, Format, print};
@@ -24,7 +23,7 @@ struct Named {
 }
 
 #[derive(Serialize)]
-struct Lobe {
+struct Group {
     name: &'static str,
     summary: &'static str,
     specimens: Vec<String>,
@@ -32,17 +31,24 @@ struct Lobe {
 
 #[derive(Serialize)]
 struct Lists {
-    lobes: Vec<Lobe>,
+    lobes: Vec<Group>,
+    stacks: Vec<Group>,
     suites: Vec<Named>,
 }
 
-pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
-    let lobe = |&kind: &LobeKind| -> Result<Lobe, CatalogueError> {
+/// The kinds that pass, with their specimens.
+fn groups(keep: impl Fn(Kind) -> bool) -> Result<Vec<Group>, CatalogueError> {
+    let group = |kind: Kind| {
         let specimens = specimens_of(kind)?.iter().map(|specimen| specimen.name()).collect();
-        Ok(Lobe { name: kind.name(), summary: kind.summary(), specimens })
+        Ok(Group { name: kind.name(), summary: kind.summary(), specimens })
     };
+    Kind::all().filter(|&kind| keep(kind)).map(group).collect()
+}
+
+pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     let lists = Lists {
-        lobes: LobeKind::ALL.iter().map(lobe).collect::<Result<_, _>>()?,
+        lobes: groups(|kind| matches!(kind, Kind::Lobe(_)))?,
+        stacks: groups(|kind| matches!(kind, Kind::Stack))?,
         suites: Suite::ALL
             .iter()
             .map(|suite| Named { name: suite.name(), summary: suite.statement() })
@@ -61,8 +67,11 @@ fn full(lists: &Lists) -> Result<String, std::fmt::Error> {
     for Named { name, summary } in &lists.suites {
         writeln!(text, "  {name:<13}{summary}")?;
     }
-    writeln!(text, "\nLobes and their specimens; gonio verify NAME… takes any name or the beginning of one")?;
-    for Lobe { name, summary, specimens } in &lists.lobes {
+    writeln!(
+        text,
+        "\nLobes and stacks with their specimens; gonio verify NAME… takes any name or the beginning of one"
+    )?;
+    for Group { name, summary, specimens } in lists.lobes.iter().chain(&lists.stacks) {
         writeln!(text, "\n{name}: {summary}")?;
         for specimen in specimens {
             writeln!(text, "  {specimen}")?;

@@ -4,17 +4,16 @@ use std::fmt::Write as _;
 use std::process::ExitCode;
 
 use bxdf_tests::{FAMILY_ERROR_RATE, Outcome, Plan, Specimen, Suite, Verdict};
-use gonio::lobe::LobeKind;
 use gonio::parameter::did_you_mean;
 use gonio::report::verdicts_json;
-use gonio::specimen::{specimens_of, verify};
+use gonio::specimen::{Kind, specimens_of, verify};
 
 use super::progress::Progress;
 use super::{Failure, Format, General, Judgement, Run, print};
 
 #[derive(clap::Args)]
 pub(crate) struct Options {
-    /// Lobes, specimens, or beginnings of their names; all unless given
+    /// Lobes, `stack`, specimens, or beginnings of their names; all unless given
     names: Vec<String>,
     /// Only this suite; may be given several times. All unless given
     #[arg(long = "suite", value_name = "NAME", value_parser = suite)]
@@ -58,7 +57,7 @@ fn select(names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure> {
     let mut known: Vec<String> = Vec::new();
     let mut used = vec![false; names.len()];
     let mut selected = Vec::new();
-    for &kind in LobeKind::ALL {
+    for kind in Kind::all() {
         known.push(kind.name().to_owned());
         for specimen in specimens_of(kind)? {
             let full = specimen.name();

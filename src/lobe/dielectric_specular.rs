@@ -1,7 +1,7 @@
-use crate::bxdf::{Bxdf, BxdfSample, LobeFlags, Pdf, TransportMode};
+use crate::bxdf::{Bxdf, BxdfSample, LobeFlags, Pdf, TransportMode, squeeze};
 use crate::frame::{is_above, mirror};
-use crate::fresnel::{dielectric, require_eta};
-use crate::parameter::OutOfRange;
+use crate::fresnel::{DielectricBoundary, dielectric, require_eta};
+use crate::parameter::{OutOfRange, require_fractions};
 use crate::real::{Real, Vector};
 use crate::rgb::Rgb;
 
@@ -12,9 +12,11 @@ use crate::rgb::Rgb;
 /// nothing, the refracted direction with T = 1 − R ([`crate::fresnel::dielectric`]; thesis §4.1.4). The
 /// thesis does not mention the η² that radiance gains or loses at the boundary: the transmitted weight
 /// is 1/η² for [`TransportMode::Radiance`], 1 for [`TransportMode::Importance`].
+/// Tints multiply R and T per channel; the thesis's glass has one of each, the physical boundary none.
 ///
 /// # Sampling
-/// Reflects where `uc` < R; both weights are then constants.
+/// Reflects where `uc` < q. Without tints q = R, and both weights are then constants. With tints R and T are
+/// each multiplied by the largest channel of its tint, and q is the share of the first.
 ///
 /// # Limits
 /// η = 1 passes every direction straight through.
@@ -30,17 +32,55 @@ use crate::rgb::Rgb;
 #[derive(Clone, Debug)]
 pub struct DielectricSpecular<F> {
     eta: F,
+    tints: [Rgb<F>; 2],
+    /// The largest channel of each tint.
+    largest: [F; 2],
 }
 
 impl<F: Real> DielectricSpecular<F> {
-    /// A boundary with the given index of refraction below the surface over the index above.
+    /// A boundary with the given index of refraction below the surface over the index above, in \[0.001, 1000\].
     pub fn new(eta: F) -> Result<Self, OutOfRange> {
-        Ok(Self { eta: require_eta(eta)? })
+        Ok(Self { eta: require_eta(eta)?, tints: [Rgb::WHITE; 2], largest: [F::ONE; 2] })
+    }
+
+    /// The same boundary with its reflection and its transmission coloured, each \[0, 1\] per channel.
+    ///
+    /// Physics has no such colours; they stand for what a thin surface layer absorbs (thesis §4.1.4).
+    pub fn with_tints(self, reflection: Rgb<F>, transmission: Rgb<F>) -> Result<Self, OutOfRange> {
+        let tints = [
+            require_fractions("reflection tint", reflection)?,
+            require_fractions("transmission tint", transmission)?,
+        ];
+        let largest = tints.map(|tint| tint[0].max(tint[1]).max(tint[2]));
+        Ok(Self { tints, largest, ..self })
     }
 
     /// Index below the surface over the index above.
     pub fn eta(&self) -> F {
         self.eta
+    }
+
+    /// Colours of reflection and transmission.
+    pub fn tints(&self) -> [Rgb<F>; 2] {
+        self.tints
+    }
+
+    /// `true` if neither reflection nor transmission is coloured.
+    pub fn is_lossless(&self) -> bool {
+        self.tints == [Rgb::WHITE; 2]
+    }
+
+    /// Probabilities of reflection and of transmission: what each carries, tint included.
+    #[inline]
+    pub(crate) fn shares(&self, boundary: &DielectricBoundary<F>) -> [F; 2] {
+        let reflected = self.largest[0] * boundary.reflectance.unpolarized();
+        let transmitted = self.largest[1] * boundary.transmittance.unpolarized();
+        if self.is_lossless() {
+            // R + T = 1 is kept as it is.
+            return [reflected, transmitted];
+        }
+        let sum = reflected + transmitted;
+        if sum > F::ZERO { [reflected / sum, transmitted / sum] } else { [F::ZERO; 2] }
     }
 }
 
@@ -63,25 +103,29 @@ impl<F: Real> Bxdf<F> for DielectricSpecular<F> {
         }
         let eta = if from_above { self.eta } else { F::ONE / self.eta };
         let boundary = dielectric(wo.z().abs(), eta);
-        let reflectance = boundary.reflectance.unpolarized();
-        if uc < reflectance {
+        let [reflected, transmitted] = self.shares(&boundary);
+        if uc < reflected {
             return Some(BxdfSample {
                 wi: mirror::<F>(wo),
-                weight: Rgb::WHITE,
-                pdf: Pdf::Discrete(reflectance),
+                weight: self.tints[0] * (boundary.reflectance.unpolarized() / reflected),
+                pdf: Pdf::Discrete(reflected),
                 eta: F::ONE,
             });
         }
-        let weight = match mode {
-            TransportMode::Radiance => F::ONE / (eta * eta),
-            TransportMode::Importance => F::ONE,
-        };
-        Some(BxdfSample {
+        let weight = self.tints[1] * (boundary.transmittance.unpolarized() / transmitted);
+        (transmitted > F::ZERO).then(|| BxdfSample {
             wi: F::Vec3::new(-wo.x() / eta, -wo.y() / eta, -boundary.cos_theta_t.copysign(wo.z())),
-            weight: Rgb::splat(weight),
-            pdf: Pdf::Discrete(boundary.transmittance.unpolarized()),
+            weight: weight * squeeze(eta, mode),
+            pdf: Pdf::Discrete(transmitted),
             eta,
         })
+    }
+
+    fn albedo(&self, wo: F::Vec3) -> Rgb<F> {
+        let eta = if wo.z() > F::ZERO { self.eta } else { F::ONE / self.eta };
+        let boundary = dielectric(wo.z().abs(), eta);
+        self.tints[0] * boundary.reflectance.unpolarized()
+            + self.tints[1] * boundary.transmittance.unpolarized()
     }
 
     fn flags(&self) -> LobeFlags {

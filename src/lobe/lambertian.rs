@@ -1,7 +1,6 @@
 use crate::bxdf::{Bxdf, BxdfSample, LobeFlags, Pdf, TransportMode};
-use crate::fresnel::require_reflectance;
 use crate::frame::{is_above, same_side};
-use crate::parameter::OutOfRange;
+use crate::parameter::{OutOfRange, require_fractions};
 use crate::real::{Real, Vector};
 use crate::rgb::Rgb;
 use crate::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
@@ -30,7 +29,7 @@ pub struct Lambertian<F> {
 impl<F: Real> Lambertian<F> {
     /// A diffuse reflector of the given reflectance, \[0, 1\] per channel.
     pub fn new(reflectance: Rgb<F>) -> Result<Self, OutOfRange> {
-        Ok(Self { reflectance: require_reflectance(reflectance)? })
+        Ok(Self { reflectance: require_fractions("reflectance", reflectance)? })
     }
 }
 

@@ -1,6 +1,7 @@
 use crate::bxdf::{Bxdf, BxdfSample, LobeFlags, Pdf, TransportMode};
 use crate::frame::{is_above, reflect};
 use crate::fresnel::Fresnel;
+use crate::lobe::SpecularReflection;
 use crate::microfacet::Distribution;
 use crate::real::{Real, Vector};
 use crate::rgb::Rgb;
@@ -49,6 +50,11 @@ impl<F: Real> MicrofacetReflection<F> {
         &self.distribution
     }
 
+    /// The limit of small roughness.
+    fn smooth(&self) -> SpecularReflection<F> {
+        SpecularReflection::new(self.fresnel)
+    }
+
     /// The Fresnel term.
     pub fn fresnel(&self) -> Fresnel<F> {
         self.fresnel
@@ -58,47 +64,49 @@ impl<F: Real> MicrofacetReflection<F> {
 impl<F: Real> Bxdf<F> for MicrofacetReflection<F> {
     #[inline]
     fn eval(&self, wo: F::Vec3, wi: F::Vec3, _: TransportMode) -> Rgb<F> {
-        if !is_above::<F>(wo) || !is_above::<F>(wi) {
+        if self.distribution.is_smooth() || !is_above::<F>(wo) || !is_above::<F>(wi) {
             return Rgb::BLACK;
         }
-        let (reflection, wo_dot_h) = self.distribution.reflection(wo, wi);
-        self.fresnel.reflectance(wo_dot_h) * reflection
+        let facet = self.distribution.reflection(wo, wi);
+        self.fresnel.reflectance(facet.cos_theta_o) * facet.value
     }
 
     #[inline]
     fn pdf(&self, wo: F::Vec3, wi: F::Vec3, _: TransportMode) -> F {
-        if is_above::<F>(wo) && is_above::<F>(wi) {
-            self.distribution.reflection_pdf(wo, wi)
-        } else {
-            F::ZERO
+        if self.distribution.is_smooth() || !is_above::<F>(wo) || !is_above::<F>(wi) {
+            return F::ZERO;
         }
+        self.distribution.reflection(wo, wi).pdf
     }
 
     #[inline]
-    fn sample(&self, wo: F::Vec3, _: F, u: [F; 2], _: TransportMode) -> Option<BxdfSample<F>> {
+    fn sample(&self, wo: F::Vec3, uc: F, u: [F; 2], mode: TransportMode) -> Option<BxdfSample<F>> {
+        if self.distribution.is_smooth() {
+            return self.smooth().sample(wo, uc, u, mode);
+        }
         if !is_above::<F>(wo) {
             return None;
         }
-        let wm = self.distribution.sample_visible(wo, u);
+        let (wm, _) = self.distribution.sample_visible(wo, uc, u)?;
         let wi = reflect::<F>(wo, wm);
         if !is_above::<F>(wi) {
             return None;
         }
-        let (pdf, g2_over_g1) = self.distribution.reflection_sample(wo, wi, wm);
+        let facet = self.distribution.reflection_about(wo, wi, wm);
         Some(BxdfSample {
             wi,
-            weight: self.fresnel.reflectance(wo.dot(wm).max(F::ZERO)) * g2_over_g1,
-            pdf: Pdf::SolidAngle(pdf),
+            weight: self.fresnel.reflectance(facet.cos_theta_o) * (facet.value * wi.z() / facet.pdf),
+            pdf: Pdf::SolidAngle(facet.pdf),
             eta: F::ONE,
         })
     }
 
     fn albedo(&self, wo: F::Vec3) -> Rgb<F> {
-        // The Fresnel term at the macro normal: what a rough surface loses does not matter for picking a component.
-        if is_above::<F>(wo) { self.fresnel.reflectance(wo.z()) } else { Rgb::BLACK }
+        // Of a smooth surface: what a rough one loses does not matter for picking a component.
+        self.smooth().albedo(wo)
     }
 
     fn flags(&self) -> LobeFlags {
-        LobeFlags { reflects: true, transmits: false, is_delta: false }
+        LobeFlags { reflects: true, transmits: false, is_delta: self.distribution.is_smooth() }
     }
 }

@@ -1,0 +1,18 @@
+//! Random walks as ground truth for energy: what many bounces on a rough surface, or between a coat and its
+//! base, add up to.
+//!
+//! The walks are written in `f64` and share no code with the lobes they judge: they have their own
+//! distributions, visible normals, Fresnel terms and closed forms. `walk_facts` holds them to facts known from elsewhere,
+//! `lobes` holds our lobes to them.
+
+#![expect(clippy::unwrap_used, clippy::panic, reason = "assertions for tests")]
+
+mod closed_form;
+mod fresnel;
+mod layered;
+mod lobes;
+mod smith;
+mod statistics;
+mod surface;
+mod vector;
+mod walk_facts;

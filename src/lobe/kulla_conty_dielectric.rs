@@ -1,0 +1,169 @@
+use crate::bxdf::{Bxdf, BxdfSample, LobeFlags, Pdf, TransportMode, squeeze};
+use crate::frame::is_above;
+use crate::lobe::MicrofacetDielectric;
+use crate::lobe::microfacet_dielectric::SingleScattering;
+use crate::quadrature::cosine_average;
+use crate::real::{Real, Vector};
+use crate::rgb::Rgb;
+use crate::table::Table;
+use crate::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
+
+/// What a rough boundary of dielectrics returns and lets through after two and more bounces: the partner of
+/// [`MicrofacetDielectric`] in a stack, which it makes lossless.
+///
+/// # Definition
+/// With l = 1 − R − T of single scattering outside (e) and inside (i), and l̄ its cosine average: from outside
+/// (1 − x) l_e(θo) l_e(θi) / (π l̄_e) is reflected and, in importance, x l_e(θo) l_i(θi) / (π l̄_i) transmitted; from
+/// inside the same with y and the sides exchanged. Kulla & Conty, SIGGRAPH 2017 course, give the form; it is
+/// reciprocal where x l̄_e = η² y l̄_i. They leave x free. Here the rarer side gets back only of the light that was reflected
+/// and shadowed, 3 R̄ / (R̄ + T̄) of it; the rest crosses. The factor is a fit to random walks on rough glass, because
+/// a second bounce is steeper than the average one.
+///
+/// # Sampling
+/// The side with probability x (y from inside), then the cosine.
+///
+/// # Limits
+/// The boundary without tints; the distribution averaged over its azimuth. Roughness that counts as smooth loses nothing:
+/// the lobe is then black.
+///
+/// # Example
+/// ```
+/// use gonio::bxdf::Bxdf;
+/// use gonio::{lobe::{KullaContyDielectric, MicrofacetDielectric}, microfacet::{Distribution, Shape}};
+/// let frosted = MicrofacetDielectric::new(Distribution::new(Shape::Ggx, 0.5_f64, 0.5)?, 1.5)?;
+/// let higher = KullaContyDielectric::new(&frosted);
+/// let inside = higher.albedo(glam::DVec3::NEG_Z)[0];
+/// assert!((inside - 0.246).abs() < 1e-3); // What single scattering loses from inside.
+/// # Ok::<(), gonio::parameter::OutOfRange>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct KullaContyDielectric<F> {
+    eta: F,
+    /// 1 − R − T over √cos θ, outside and inside.
+    loss: [Table<F, 1>; 2],
+    /// 1 / l̄ outside and inside; 0 where nothing is lost.
+    gain: [F; 2],
+    /// x and y: the share that leaves on the other side.
+    crossing: [F; 2],
+}
+
+/// Reflectance of a second bounce over that of the average one: a fit to random walks.
+const SECOND_BOUNCE: f64 = 3.0;
+
+impl<F: Real> KullaContyDielectric<F> {
+    /// The higher orders of a rough boundary.
+    pub fn new(boundary: &MicrofacetDielectric<F>) -> Self {
+        let eta = boundary.eta();
+        if boundary.flags().is_delta {
+            let lossless = || Table::new(|_| [F::ZERO]);
+            return Self { eta, loss: [lossless(), lossless()], gain: [F::ZERO; 2], crossing: [F::ZERO; 2] };
+        }
+        let sides = [1.0, -1.0].map(|side| Table::<f64, 3>::new(|root| {
+            let SingleScattering { reflected, transmitted, fresnel } =
+                boundary.single_scattering(root * root, side);
+            [reflected, transmitted, fresnel]
+        }));
+        let means = sides.each_ref().map(|side| {
+            let mean = |i: usize| cosine_average(&|root| side.at(root)[i]);
+            SingleScattering { reflected: mean(0), transmitted: mean(1), fresnel: mean(2) }
+        });
+        let loss = means.map(|SingleScattering { reflected, transmitted, .. }| 1.0 - reflected - transmitted);
+        let eta_squared = (eta * eta).to_f64();
+        let (rare, dense) = if eta_squared >= 1.0 { (0, 1) } else { (1, 0) };
+        // In units of the flux outside; from the denser side there is η² of it.
+        let flux = [1.0, eta_squared];
+        let crossed = (loss[rare] - returned(&means[rare])).min(loss[dense] * flux[dense] / flux[rare]);
+        let crossed = crossed * flux[rare];
+        let loss_table = |side: Table<f64, 3>| {
+            Table::new(|root| {
+                let [reflected, transmitted, _] = side.at(root);
+                [F::from_f64(1.0 - reflected - transmitted)]
+            })
+        };
+        Self {
+            eta,
+            loss: sides.map(loss_table),
+            gain: loss.map(|loss| F::from_f64(1.0 / loss)),
+            crossing: [0, 1].map(|side| F::from_f64(crossed / (flux[side] * loss[side]))),
+        }
+    }
+
+    /// x and y: the shares of what single scattering loses that leave on the other side, from outside and from
+    /// inside.
+    pub fn crossing(&self) -> [F; 2] {
+        self.crossing
+    }
+
+    /// 1 − R − T along a direction, and the side that it is on: 0 above, 1 below.
+    #[inline]
+    fn lost(&self, w: F::Vec3) -> Option<(F, usize)> {
+        let side = if is_above::<F>(w) {
+            0
+        } else if is_above::<F>(-w) {
+            1
+        } else {
+            return None;
+        };
+        Some((self.loss[side].at(w.z().abs().sqrt())[0], side))
+    }
+
+    /// Index of the other side over this one.
+    #[inline]
+    fn eta_from(&self, side: usize) -> F {
+        if side == 0 { self.eta } else { F::ONE / self.eta }
+    }
+}
+
+/// What the rarer side gets back of what its first bounce lost.
+fn returned(mean: &SingleScattering) -> f64 {
+    let shadowed = mean.fresnel - mean.reflected;
+    SECOND_BOUNCE * shadowed * mean.reflected / (mean.reflected + mean.transmitted)
+}
+
+impl<F: Real> Bxdf<F> for KullaContyDielectric<F> {
+    #[inline]
+    fn eval(&self, wo: F::Vec3, wi: F::Vec3, mode: TransportMode) -> Rgb<F> {
+        let (Some((there, from)), Some((here, to))) = (self.lost(wo), self.lost(wi)) else { return Rgb::BLACK };
+        let share = if from == to {
+            F::ONE - self.crossing[from]
+        } else {
+            self.crossing[from] * squeeze(self.eta_from(from), mode)
+        };
+        Rgb::splat(share * there * here * self.gain[to] / F::PI)
+    }
+
+    #[inline]
+    fn pdf(&self, wo: F::Vec3, wi: F::Vec3, _: TransportMode) -> F {
+        let (Some((_, from)), Some((_, to))) = (self.lost(wo), self.lost(wi)) else { return F::ZERO };
+        let share = if from == to { F::ONE - self.crossing[from] } else { self.crossing[from] };
+        share * cosine_hemisphere_pdf(wi.z().abs())
+    }
+
+    #[inline]
+    fn sample(&self, wo: F::Vec3, uc: F, u: [F; 2], mode: TransportMode) -> Option<BxdfSample<F>> {
+        let (there, from) = self.lost(wo)?;
+        let crosses = uc < self.crossing[from];
+        let above = cosine_hemisphere::<F>(u);
+        let wi = if crosses == (from == 0) { -above } else { above };
+        let (here, to) = self.lost(wi)?;
+        let (share, eta) = if crosses {
+            (self.crossing[from], self.eta_from(from))
+        } else {
+            (F::ONE - self.crossing[from], F::ONE)
+        };
+        Some(BxdfSample {
+            wi,
+            weight: Rgb::splat(there * here * self.gain[to] * squeeze(eta, mode)),
+            pdf: Pdf::SolidAngle(share * cosine_hemisphere_pdf(above.z())),
+            eta,
+        })
+    }
+
+    fn albedo(&self, wo: F::Vec3) -> Rgb<F> {
+        self.lost(wo).map_or(Rgb::BLACK, |(lost, _)| Rgb::splat(lost))
+    }
+
+    fn flags(&self) -> LobeFlags {
+        LobeFlags { reflects: true, transmits: true, is_delta: false }
+    }
+}
