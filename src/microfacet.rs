@@ -46,6 +46,8 @@ pub struct Distribution<F> {
     shadowing: Shadowing,
     alpha_x: F,
     alpha_y: F,
+    /// 1 / αx and 1 / αy.
+    inverse_alpha: [F; 2],
     is_smooth: bool,
     /// D(n): 1 / (π αx αy), but for the Gaussian.
     peak: F,
@@ -90,7 +92,8 @@ impl<F: Real> Distribution<F> {
                 (Shadowing::VCavity, F::from_f64(gaussian::normalization(alpha_x.to_f64(), alpha_y.to_f64())))
             }
         };
-        Ok(Self { shape, shadowing, alpha_x, alpha_y, is_smooth, peak })
+        let inverse_alpha = [F::ONE / alpha_x, F::ONE / alpha_y];
+        Ok(Self { shape, shadowing, alpha_x, alpha_y, inverse_alpha, is_smooth, peak })
     }
 
     /// The same normals with another masking–shadowing.
@@ -137,7 +140,7 @@ impl<F: Real> Distribution<F> {
         if m.z() <= F::ZERO {
             return F::ZERO;
         }
-        let (x, y) = (m.x() / self.alpha_x, m.y() / self.alpha_y);
+        let (x, y) = (m.x() * self.inverse_alpha[0], m.y() * self.inverse_alpha[1]);
         let stretched = x * x + y * y;
         self.peak
             * match self.shape {
@@ -274,7 +277,7 @@ impl<F: Real> Distribution<F> {
 
     fn sample_wall(&self, w: F::Vec3, uc: F, u: [F; 2]) -> Option<(F::Vec3, F)> {
         let slope = |radius: F| {
-            let (sin_phi, cos_phi) = (F::TWO * F::PI * u[1]).sin_cos();
+            let (sin_phi, cos_phi) = u[1].sin_cos_turns();
             (self.alpha_x * radius * cos_phi, self.alpha_y * radius * sin_phi)
         };
         let radius = match self.shape {
@@ -416,11 +419,24 @@ mod tests {
 
     #[test]
     fn roughness_out_of_range_is_refused_with_its_value() {
-        for alpha in [0.0, -0.1, 1e-5, 1.5, f64::NAN, f64::INFINITY] {
+        for alpha in [-0.1, 1.5, f64::NAN, f64::INFINITY] {
             let error = Distribution::new(Shape::Ggx, 0.5, alpha).unwrap_err().to_string();
             assert!(error.starts_with(&format!("alpha_y = {alpha} is out of range")), "{error}");
             assert!(Distribution::new(Shape::Beckmann, alpha as f32, 0.5).is_err());
         }
-        assert!(Distribution::new(Shape::Ggx, 1e-4_f32, 1.0).is_ok());
+    }
+
+    #[test]
+    fn the_surface_is_smooth_where_neither_roughness_is_resolved() {
+        let is_smooth = |x: f32, y: f32| Distribution::new(Shape::Ggx, x, y).unwrap().is_smooth();
+        assert!(is_smooth(0.0, 0.0) && is_smooth(9.9e-5, 9.9e-5));
+        assert!(!is_smooth(1e-4, 1e-4) && !is_smooth(0.0, 0.3));
+    }
+
+    #[test]
+    fn the_gaussian_takes_v_cavities_only() {
+        let gaussian = Distribution::new(Shape::Gaussian, 0.2_f64, 0.2).unwrap();
+        assert_eq!(gaussian.shadowing(), Shadowing::VCavity);
+        assert_eq!(gaussian.with_shadowing(Shadowing::SmithSeparable), Err(NoSmithForm));
     }
 }

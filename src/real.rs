@@ -72,6 +72,9 @@ pub trait Real:
     fn is_finite(self) -> bool;
     /// sin x and cos x.
     fn sin_cos(self) -> (Self, Self);
+    /// sin and cos of 2π times `self` ∈ \[0, 1\]: without the branches of a general argument, which random numbers
+    /// mispredict.
+    fn sin_cos_turns(self) -> (Self, Self);
     /// The angle \[rad\] of the point (`x`, `self`) about the origin.
     fn atan2(self, x: Self) -> Self;
     /// eˣ.
@@ -134,7 +137,7 @@ pub trait Vector<F: Real>:
 
 macro_rules! implement_real {
     (
-        $real:ident, $vector:ty, $tangent:expr, $sincos:ident, $atan2:ident, $exp:ident, $expm1:ident, $ln:ident,
+        $real:ident, $vector:ty, $tangent:expr, $sincos:ident, $turns:path, $atan2:ident, $exp:ident, $expm1:ident, $ln:ident,
         $ln_1p:ident, $gamma:ident, $erf:ident, $erfc:ident
     ) => {
         impl Real for $real {
@@ -184,6 +187,11 @@ macro_rules! implement_real {
             #[inline]
             fn sin_cos(self) -> (Self, Self) {
                 libm::$sincos(self)
+            }
+            #[inline]
+            fn sin_cos_turns(self) -> (Self, Self) {
+                let (sin, cos) = $turns(f64::from(self));
+                (sin as $real, cos as $real)
             }
             #[inline]
             fn atan2(self, x: Self) -> Self {
@@ -253,31 +261,13 @@ macro_rules! implement_real {
 }
 
 // 2⁻⁶³ and 2⁻⁵¹¹.
+#[rustfmt::skip]
 implement_real!(
-    f32,
-    glam::Vec3,
-    f32::from_bits(64 << 23),
-    sincosf,
-    atan2f,
-    expf,
-    expm1f,
-    logf,
-    log1pf,
-    tgammaf,
-    erff,
-    erfcf
+    f32, glam::Vec3, f32::from_bits(64 << 23), sincosf, special::sin_cos_turns_to_f32, atan2f, expf, expm1f, logf,
+    log1pf, tgammaf, erff, erfcf
 );
+#[rustfmt::skip]
 implement_real!(
-    f64,
-    glam::DVec3,
-    f64::from_bits(512 << 52),
-    sincos,
-    atan2,
-    exp,
-    expm1,
-    log,
-    log1p,
-    tgamma,
-    erf,
-    erfc
+    f64, glam::DVec3, f64::from_bits(512 << 52), sincos, special::sin_cos_turns, atan2, exp, expm1, log, log1p,
+    tgamma, erf, erfc
 );

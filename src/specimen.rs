@@ -64,6 +64,12 @@ impl<F: Real> BxdfSpecimen<F> {
         Self::new(name, Arc::new(stack), claims)
     }
 
+    /// The same specimen without the promise that turning it about the normal changes nothing.
+    pub fn anisotropic(mut self) -> Self {
+        self.claims.isotropic = false;
+        self
+    }
+
     /// The same specimen with another promise about energy.
     pub fn with_energy(mut self, energy: Energy) -> Self {
         self.claims.energy = Some(energy);

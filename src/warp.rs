@@ -8,7 +8,7 @@ use crate::real::{Real, Vector};
 #[inline]
 pub fn cosine_hemisphere<F: Real>([u0, u1]: [F; 2]) -> F::Vec3 {
     let radius = u0.sqrt();
-    let (sin_phi, cos_phi) = (F::TWO * F::PI * u1).sin_cos();
+    let (sin_phi, cos_phi) = u1.sin_cos_turns();
     F::Vec3::new(radius * cos_phi, radius * sin_phi, (F::ONE - u0).sqrt())
 }
 
@@ -26,7 +26,7 @@ pub fn cosine_hemisphere_pdf<F: Real>(cos_theta: F) -> F {
 pub fn uniform_cap<F: Real>([u0, u1]: [F; 2], height: F) -> F::Vec3 {
     let q = u0 * height;
     let sin_theta = (q * (F::TWO - q)).sqrt();
-    let (sin_phi, cos_phi) = (F::TWO * F::PI * u1).sin_cos();
+    let (sin_phi, cos_phi) = u1.sin_cos_turns();
     F::Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, F::ONE - q)
 }
 
@@ -43,7 +43,7 @@ pub fn uniform_cap_pdf<F: Real>(height: F) -> F {
 pub fn power_lobe<F: Real>([u0, u1]: [F; 2], exponent: u32) -> F::Vec3 {
     let m = -(u0.ln() / F::from_f64(f64::from(exponent) + 1.0)).exp_m1();
     let sin_theta = F::TWO * (m * (F::ONE - m)).sqrt();
-    let (sin_phi, cos_phi) = (F::TWO * F::PI * u1).sin_cos();
+    let (sin_phi, cos_phi) = u1.sin_cos_turns();
     F::Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, F::ONE - F::TWO * m)
 }
 

@@ -38,12 +38,15 @@ impl Chart {
         Self { mirror }
     }
 
-    pub(crate) fn point(&self, [x, y, z]: Direction) -> Point {
+    pub(crate) fn point(&self, direction: Direction) -> Point {
+        let [cos, sin] = self.azimuth(direction);
+        Point { hemisphere: usize::from(direction[2] < 0.0), at: [height(direction), libm::atan2(sin, cos)] }
+    }
+
+    /// sin θ times cosine and sine of the azimuth.
+    fn azimuth(&self, [x, y, _]: Direction) -> [f64; 2] {
         let [c, s] = self.mirror;
-        // Near the pole x and y carry the digits that 1 − |z| has lost.
-        let v = if z.abs() > 0.5 { (x * x + y * y) / (1.0 + z.abs()) } else { 1.0 - z.abs() };
-        let phi = libm::atan2(c * y - s * x, c * x + s * y);
-        Point { hemisphere: usize::from(z < 0.0), at: [v, phi] }
+        [c * x + s * y, c * y - s * x]
     }
 
     /// Directions of a grid over (v, φ), the second coordinate fastest.
@@ -69,6 +72,18 @@ impl Chart {
     }
 }
 
+/// v = 1 − |z|; near the pole x and y carry the digits that it has lost.
+fn height([x, y, z]: Direction) -> f64 {
+    if z.abs() > 0.5 { (x * x + y * y) / (1.0 + z.abs()) } else { 1.0 - z.abs() }
+}
+
+/// Grows with the azimuth from −2 at −π to 2 at π: which of two azimuths is larger needs no arc tangent.
+fn turn([cos, sin]: [f64; 2]) -> f64 {
+    let length = cos.abs() + sin.abs();
+    let quarter = if length > 0.0 { sin / length } else { 0.0 };
+    if cos >= 0.0 { quarter } else { 2.0_f64.copysign(sin) - quarter }
+}
+
 /// How many nested resolutions a partition has.
 pub(crate) const RESOLUTIONS: usize = 3;
 
@@ -85,10 +100,14 @@ pub(crate) struct Cell {
     pub(crate) groups: [usize; RESOLUTIONS],
 }
 
+/// A rectangle that is halved, or a cell, which leads to itself.
 #[derive(Clone, Copy)]
-enum Node {
-    Split { axis: usize, at: f64, children: [usize; 2] },
-    Leaf(usize),
+struct Node {
+    axis: usize,
+    /// v, or the [`turn`] of the azimuth.
+    at: f64,
+    children: [usize; 2],
+    cell: usize,
 }
 
 /// A partition of the sphere into cells.
@@ -100,6 +119,8 @@ pub(crate) struct Partition {
     pub(crate) groups: [usize; RESOLUTIONS],
     nodes: Vec<Node>,
     roots: [usize; 2],
+    /// Halvings on the longest way from a root to a cell.
+    depth: usize,
 }
 
 impl Partition {
@@ -112,8 +133,14 @@ impl Partition {
         [per_cell, per_piece]: [usize; 2],
         resolution: f64,
     ) -> Self {
-        let mut partition =
-            Self { chart, cells: Vec::new(), groups: [0; RESOLUTIONS], nodes: Vec::new(), roots: [0; 2] };
+        let mut partition = Self {
+            chart,
+            cells: Vec::new(),
+            groups: [0; RESOLUTIONS],
+            nodes: Vec::new(),
+            roots: [0; 2],
+            depth: 0,
+        };
         pilot.sort_by_key(|pilot| pilot.point.hemisphere);
         let upper = pilot.partition_point(|pilot| pilot.point.hemisphere == 0);
         let (above, below) = pilot.split_at_mut(upper);
@@ -127,15 +154,26 @@ impl Partition {
         partition
     }
 
-    /// The cell that a direction lies in.
-    pub(crate) fn cell(&self, direction: Direction) -> usize {
-        let point = self.chart.point(direction);
-        let mut node = self.roots[point.hemisphere];
-        loop {
-            match self.nodes[node] {
-                Node::Leaf(cell) => return cell,
-                Node::Split { axis, at, children } => node = children[usize::from(point.at[axis] >= at)],
+    /// Counts directions in their cells.
+    ///
+    /// All of them go down one halving at a time: side by side they do not wait for each other, while a single one
+    /// waits for every node, and that was half of the time of a run.
+    pub(crate) fn count(&self, directions: &[Direction], counts: &mut [u64]) {
+        let mut places: Vec<(usize, [f64; 2])> = directions
+            .iter()
+            .map(|&direction| {
+                let root = self.roots[usize::from(direction[2] < 0.0)];
+                (root, [height(direction), turn(self.chart.azimuth(direction))])
+            })
+            .collect();
+        for _ in 0..self.depth {
+            for (node, at) in &mut places {
+                let Node { axis, at: cut, children, .. } = self.nodes[*node];
+                *node = children[usize::from(at[axis] >= cut)];
             }
+        }
+        for (node, _) in places {
+            counts[self.nodes[node].cell] += 1;
         }
     }
 }
@@ -157,7 +195,9 @@ impl Growth<'_> {
         mut groups: [Option<usize>; RESOLUTIONS],
     ) -> usize {
         let index = self.partition.nodes.len();
-        self.partition.nodes.push(Node::Leaf(usize::MAX));
+        let leaf = Node { axis: 0, at: 0.0, children: [index; 2], cell: usize::MAX };
+        self.partition.nodes.push(leaf);
+        self.partition.depth = self.partition.depth.max(depth);
         for (level, &coarse) in COARSE_DEPTHS.iter().enumerate() {
             if depth == coarse {
                 groups[level] = Some(self.new_group(level));
@@ -167,14 +207,15 @@ impl Growth<'_> {
             let mut pieces = Vec::new();
             self.cut(points, rectangle, depth, &mut pieces);
             let groups = core::array::from_fn(|level| groups[level].unwrap_or_else(|| self.new_group(level)));
-            self.partition.nodes[index] = Node::Leaf(self.partition.cells.len());
+            self.partition.nodes[index].cell = self.partition.cells.len();
             self.partition.cells.push(Cell { hemisphere: self.hemisphere, pieces, groups });
             return index;
         };
         let (lower, upper) = halves(points, axis, at);
         let [low, high] = rectangle.split(axis, at);
         let children = [self.grow(lower, low, depth + 1, groups), self.grow(upper, high, depth + 1, groups)];
-        self.partition.nodes[index] = Node::Split { axis, at, children };
+        let at = if axis == 0 { at } else { turn([libm::cos(at), libm::sin(at)]) };
+        self.partition.nodes[index] = Node { axis, at, children, ..leaf };
         index
     }
 
@@ -305,6 +346,14 @@ mod tests {
     }
 
     #[test]
+    fn turns_are_in_the_order_of_azimuths() {
+        let azimuths = (-1000..=1000).map(|i| PI * f64::from(i) / 1000.0);
+        let turns: Vec<f64> = azimuths.map(|phi| turn([libm::cos(phi), libm::sin(phi)])).collect();
+        assert!(turns.is_sorted_by(|a, b| a < b));
+        assert_eq!(turn([0.0, 0.0]), 0.0);
+    }
+
+    #[test]
     fn cells_tile_the_sphere_and_hold_their_points() {
         let chart = Chart::new([0.6, 0.0, 0.8]);
         let pilots: Vec<_> = (0..4096)
@@ -325,7 +374,7 @@ mod tests {
         let mut directions = [[0.0; 3]];
         for Pilot { point, .. } in pilots {
             chart.directions(0, &[point.at[0]], &[point.at[1]], &mut directions);
-            counts[partition.cell(directions[0])] += 1;
+            partition.count(&directions, &mut counts);
         }
         let crowded = counts.iter().filter(|&&count| (14..=18).contains(&count)).count();
         assert!(crowded > 250, "{counts:?}");

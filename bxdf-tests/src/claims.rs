@@ -13,11 +13,27 @@ pub enum Precision {
 }
 
 impl Precision {
+    /// The smallest number that has all its digits; below, rounding errors are no longer relative.
+    pub fn smallest_normal(self) -> f64 {
+        match self {
+            Self::F32 => f64::from(f32::MIN_POSITIVE),
+            Self::F64 => f64::MIN_POSITIVE,
+        }
+    }
+
     /// Distance from 1 to the next larger number.
     pub fn epsilon(self) -> f64 {
         match self {
             Self::F32 => f64::from(f32::EPSILON),
             Self::F64 => f64::EPSILON,
+        }
+    }
+
+    /// The nearest number that the precision can hold.
+    pub(crate) fn round(self, x: f64) -> f64 {
+        match self {
+            Self::F32 => f64::from(x as f32),
+            Self::F64 => x,
         }
     }
 }

@@ -17,6 +17,7 @@
 
 mod binning;
 mod claims;
+mod deltas;
 mod plan;
 mod quadrature;
 mod specimen;

@@ -9,16 +9,16 @@ use rand_pcg::Pcg64;
 /// The probability, at most, that the statistical checks of a run over correct specimens report any violation.
 pub const FAMILY_ERROR_RATE: f64 = 1e-6;
 
-/// Statistical checks per pair of direction and transport mode: χ² at three resolutions, its
-/// rare cells, the rate of no-sample, and the mean weight of three channels.
-pub(crate) const CHECKS_PER_SETTING: usize = 8;
+/// Statistical checks per direction, in the one transport mode whose samples are counted there: χ² at three
+/// resolutions, its rare cells, the rate of no-sample, and the mean weight of three channels.
+pub(crate) const CHECKS_PER_DIRECTION: usize = 8;
 
 /// The plan of a run.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Mixed into the seed of every trial.
     pub run_seed: u64,
-    /// Random samples per setting (direction and transport mode).
+    /// Random samples per direction.
     pub samples: usize,
     /// How many statistical checks the whole run makes; they share [`FAMILY_ERROR_RATE`].
     pub family: usize,
@@ -31,6 +31,9 @@ pub(crate) struct Setting {
     pub(crate) wo: Direction,
     /// What is carried.
     pub(crate) transport: Transport,
+    /// Whether samples are counted here. Where both modes are examined, they are in one of the two, turn and turn about,
+    /// on opposite sides in opposite modes; cubature and pointwise checks are made in both.
+    pub(crate) is_counted: bool,
 }
 
 impl Setting {
@@ -45,14 +48,14 @@ impl Setting {
 }
 
 impl Plan {
-    /// Samples per setting unless told otherwise.
+    /// Samples per direction unless told otherwise.
     pub const DEFAULT_SAMPLES: usize = 1 << 18;
 
     /// The plan of a run over the given specimens.
     pub fn new<'a>(run_seed: u64, specimens: impl IntoIterator<Item = &'a dyn Specimen>) -> Self {
         let family = specimens
             .into_iter()
-            .map(|specimen| CHECKS_PER_SETTING * number_of_settings(&specimen.claims()))
+            .map(|specimen| CHECKS_PER_DIRECTION * number_of_directions(&specimen.claims()))
             .sum::<usize>();
         Self { run_seed, samples: Self::DEFAULT_SAMPLES, family: family.max(1) }
     }
@@ -66,10 +69,16 @@ impl Plan {
             let mut generator = self.named_generator(&format!("{specimen} | direction {side}"));
             let anywhere =
                 [90.0 * generator.random::<f64>(), core::f64::consts::TAU * generator.random::<f64>()];
-            for [polar_deg, azimuth] in grid(claims).into_iter().chain([anywhere]) {
+            for (i, [polar_deg, azimuth]) in grid(claims).into_iter().chain([anywhere]).enumerate() {
                 let [x, y, z] = direction(polar_deg, azimuth);
                 let wo = [x, y, side * z];
-                settings.extend(transports(claims).iter().map(|&transport| Setting { wo, transport }));
+                let transports = transports(claims);
+                let turn = (i + usize::from(!from_above)) % transports.len();
+                settings.extend(transports.iter().enumerate().map(|(mode, &transport)| Setting {
+                    wo,
+                    transport,
+                    is_counted: mode == turn,
+                }));
             }
         }
         settings
@@ -153,6 +162,6 @@ pub(crate) fn transports(claims: &Claims) -> &'static [Transport] {
     if claims.transmits { &[Transport::Radiance, Transport::Importance] } else { &[Transport::Radiance] }
 }
 
-fn number_of_settings(claims: &Claims) -> usize {
-    sides(claims).len() * (grid(claims).len() + 1) * transports(claims).len()
+fn number_of_directions(claims: &Claims) -> usize {
+    sides(claims).len() * (grid(claims).len() + 1)
 }

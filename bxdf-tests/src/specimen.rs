@@ -20,7 +20,9 @@ pub enum Transport {
 pub enum Measure {
     /// A density over solid angle \[sr⁻¹\].
     SolidAngle(f64),
-    /// The probability of a Dirac delta; of all of them together where components share a direction.
+    /// The probability of a Dirac delta: that of the component that was picked, also where several share a direction.
+    /// Deltas that are alike in direction, probability, weights and index count as one of that probability; a
+    /// specimen with such components merges them.
     Discrete(f64),
 }
 
@@ -96,16 +98,20 @@ pub trait Specimen: Send + Sync {
     }
 }
 
-/// The terms of a microfacet model, as the specimen computes them.
+/// The terms of a microfacet model, as the specimen computes them, for any kind of masking.
+///
+/// Micro normals `m` are above the macro surface, and so are `w` and `wo`. For a two-sided specimen that is lit from
+/// below, the suite points both directions the other way.
 pub trait Microsurface: Send + Sync {
     /// Density of micro normals D(m) \[sr⁻¹\].
     fn d(&self, m: Direction) -> f64;
-    /// Smith's Λ(w) for `w` above the surface.
-    fn lambda(&self, w: Direction) -> f64;
-    /// Masking G₁(w).
-    fn g1(&self, w: Direction) -> f64;
-    /// Masking–shadowing G₂(wo, wi) for reflection.
-    fn g2(&self, wo: Direction, wi: Direction) -> f64;
-    /// Density of visible normals \[sr⁻¹\] seen from `w`.
-    fn visible_pdf(&self, w: Direction, m: Direction) -> f64;
+    /// Smith's Λ(w); `None` where masking does not come from one function of `w`, as with V-cavities.
+    fn lambda(&self, w: Direction) -> Option<f64>;
+    /// Masking G₁(w, m) of facets that face `w`; Smith's does not depend on `m`.
+    fn g1(&self, w: Direction, m: Direction) -> f64;
+    /// Masking–shadowing G₂(wo, wi, m): of reflection where `wi` is above, of transmission where it is below.
+    fn g2(&self, wo: Direction, wi: Direction, m: Direction) -> f64;
+    /// Density of visible normals D G₁ max(0, w·m) / cos θ \[sr⁻¹\] seen from `w`; `None` where the sampler draws its
+    /// normals from another density.
+    fn visible_pdf(&self, w: Direction, m: Direction) -> Option<f64>;
 }

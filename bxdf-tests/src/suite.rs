@@ -67,7 +67,7 @@ suites! {
     Isotropic isotropic: "turning both directions about the normal changes nothing", if |claims: &Claims| claims.isotropic;
     Energy energy: "no more energy leaves than arrives; two estimates of the albedo agree", if always;
     Fresnel fresnel: "reflectance is that of exact complex Snell refraction", if |claims: &Claims| claims.boundary.is_some();
-    Microfacet microfacet: "∫ D cos θ = 1, masking follows from D, visible normals are normalised", if |claims: &Claims| claims.microfacet;
+    Microfacet microfacet: "∫ D cos θ = 1, masking follows from D, the lobe is made of both", if |claims: &Claims| claims.microfacet;
 }
 
 /// One specimen under examination; what several suites need is measured once.
@@ -83,7 +83,8 @@ pub struct Examination<'a> {
 pub(crate) struct Surveyed {
     pub(crate) setting: Setting,
     pub(crate) survey: Survey,
-    pub(crate) tally: Tally,
+    /// Counted samples, at settings where samples are counted.
+    pub(crate) tally: Option<Tally>,
     /// The second look, once something was doubtful.
     second: OnceLock<Box<Surveyed>>,
 }
@@ -132,14 +133,21 @@ impl<'a> Examination<'a> {
             return Some(ledger.into_verdict(self.name.clone(), suite, self.plan.run_seed));
         }
         let result = catch_unwind(AssertUnwindSafe(|| suite.run(self, &mut ledger)));
-        if result.is_err() {
+        if let Err(payload) = result {
+            // Nothing else that was found is as telling, and a waiver is for a wrong value, not for a crash.
+            let mut ledger = Ledger::default();
             ledger.record(Check::new("the specimen panicked", f64::NAN, 0.0, Witness::default()));
+            let mut verdict = ledger.into_verdict(self.name.clone(), suite, self.plan.run_seed);
+            let text = payload.downcast_ref::<&str>().copied();
+            if let Some(text) = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)) {
+                verdict.what = format!("{}: {text}", verdict.what);
+            }
+            return Some(verdict);
         }
         let verdict = ledger.into_verdict(self.name.clone(), suite, self.plan.run_seed);
         Some(match waiver {
-            // A waiver is for a wrong value, not for a crash.
-            Some(waiver) if result.is_ok() => verdict.under_waiver(&waiver.reason),
-            _ => verdict,
+            Some(waiver) => verdict.under_waiver(&waiver.reason),
+            None => verdict,
         })
     }
 
@@ -160,11 +168,12 @@ impl<'a> Examination<'a> {
 
     fn look(&self, setting: Setting, look: Look) -> Surveyed {
         let mut survey = Survey::new(self.specimen, &self.claims, self.plan, &setting, look);
-        let tally = survey.tally(self.specimen, &self.claims, self.plan, &setting, look);
+        let tally =
+            setting.is_counted.then(|| survey.tally(self.specimen, &self.claims, self.plan, &setting, look));
         Surveyed { setting, survey, tally, second: OnceLock::new() }
     }
 
-    /// Records statistical checks at a setting in two planned stages.
+    /// Records statistical checks at a setting where samples are counted, in two planned stages.
     ///
     /// `p_values` gives named checks with ln p as their value. Where one falls below 1e-4 a second look decides, on
     /// independent samples and against level / 1e-4: together that is the level.
@@ -172,9 +181,13 @@ impl<'a> Examination<'a> {
         &self,
         surveyed: &Surveyed,
         ledger: &mut Ledger,
-        p_values: impl Fn(&Surveyed) -> Vec<PValue>,
+        p_values: impl Fn(&Survey, &Tally) -> Vec<PValue>,
     ) {
         let level = self.plan.ln_level();
+        let p_values = |surveyed: &Surveyed| match &surveyed.tally {
+            Some(tally) => p_values(&surveyed.survey, tally),
+            None => Vec::new(),
+        };
         let first = p_values(surveyed);
         // NaN is not a matter of chance.
         let is_grey = |p: &PValue| p.ln_p < LN_GREY;
@@ -199,7 +212,7 @@ impl<'a> Examination<'a> {
     }
 
     /// How much `g` may change because directions are rounded: its largest change when `wi` moves by 16 ε, across
-    /// or along itself, plus 64 ε of its value.
+    /// or along itself, plus 64 ε of its value and the smallest normal number.
     ///
     /// A lobe of small α turns the rounding of its inputs into a large relative error; nobody can ask for
     /// less than the condition of the problem. Moves along the direction count because a rounded unit vector
@@ -213,7 +226,7 @@ impl<'a> Examination<'a> {
             .map(|near| (g(near) - value).abs())
             .filter(|change| change.is_finite())
             .fold(0.0, f64::max);
-        change + 64.0 * epsilon * value.abs()
+        change + 64.0 * epsilon * value.abs() + self.claims.precision.smallest_normal()
     }
 }
 

@@ -122,6 +122,7 @@ fn a_specimen_that_panics_is_a_verdict() {
     let plan = Plan::new(run_seed(), [&Panics as &dyn Specimen]);
     let verdict = Examination::new(&Panics, &plan).verdict(Suite::Finite).unwrap();
     assert_eq!(verdict.outcome, Outcome::Violated);
+    assert_eq!(verdict.what, "the specimen panicked: no such material");
 }
 
 #[test]

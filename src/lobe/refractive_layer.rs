@@ -346,7 +346,9 @@ impl Inside {
         // μ = μc + (1 − μc) t²: the Fresnel term has a square root at the critical angle.
         let span = 1.0 - critical;
         let above = above.map(|[t, weight]| [critical + span * t * t, 2.0 * span * t * weight]);
-        below.chain(above).map(|[mu, weight]| self.node(mu, weight)).collect()
+        // Without total internal reflection the panels below the critical angle are empty.
+        let nodes = below.chain(above).filter(|&[_, weight]| weight > 0.0);
+        nodes.map(|[mu, weight]| self.node(mu, weight)).collect()
     }
 
     fn node(&self, cosine: f64, weight: f64) -> Node {

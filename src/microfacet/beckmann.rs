@@ -53,7 +53,7 @@ pub(super) fn sample_visible_unit<F: Real>(w: F::Vec3, [u0, u1]: [F; 2]) -> F::V
     if sin_theta < F::from_f64(1e-6) {
         // Seen along the normal all slopes are visible: an isotropic Gaussian.
         let radius = (-(F::ONE - u0).ln()).sqrt();
-        let (sin_phi, cos_phi) = (F::TWO * F::PI * u1).sin_cos();
+        let (sin_phi, cos_phi) = u1.sin_cos_turns();
         return F::Vec3::new(radius * cos_phi, radius * sin_phi, F::ONE);
     }
     let along = invert_slope(w.z() / sin_theta, u0);

@@ -3,15 +3,14 @@
 use std::sync::Arc;
 
 use super::{BxdfSpecimen, CatalogueError};
-use crate::bxdf::Bxdf;
 use crate::fresnel::Fresnel;
 use crate::ior;
 use crate::lobe::{
-    Coat, DielectricSpecular, Fabric, KullaContyDielectric, KullaContyReflection, Lambertian, LobeKind,
+    Coat, DielectricSpecular, Fabric, KullaContyDielectric, KullaContyReflection, Lambertian, Lobe, LobeKind,
     MicrofacetDielectric, MicrofacetReflection, OrenNayar, OrenNayarModel, RefractiveLayer,
     SpecularReflection, SpecularTransmission, ThinSheet,
 };
-use crate::microfacet::{Distribution, Shape};
+use crate::microfacet::{Distribution, Shadowing, Shape};
 use crate::parameter::OutOfRange;
 use crate::real::Real;
 use crate::rgb::Rgb;
@@ -147,66 +146,192 @@ pub(super) fn of_lobe<F: Real>(kind: LobeKind) -> Result<Vec<BxdfSpecimen<F>>, C
                 cases.push(BxdfSpecimen::of_lobe(&format!("thin_sheet/{name}"), lobe));
             }
         }
-        LobeKind::MicrofacetReflection => {
-            let shapes = [(Shape::Ggx, "ggx"), (Shape::Beckmann, "beckmann")];
-            let mut push = |family: &str, case: String, shape, [x, y]: [f64; 2], fresnel| {
-                let lobe = MicrofacetReflection::new(Distribution::new(shape, f(x), f(y))?, fresnel);
-                cases.push(BxdfSpecimen::of_lobe(&format!("{family}/{case}"), lobe));
-                Ok::<(), OutOfRange>(())
-            };
-            let [eta, k] = metal("gold/Johnson-1972")?;
-            let gold = Fresnel::conductor(eta, k)?;
-            for (shape, name) in shapes {
-                for alpha in ALPHAS {
-                    push("rough_conductor", format!("{name}_{alpha}"), shape, [alpha; 2], gold)?;
-                }
-                for [x, y] in ANISOTROPIC {
-                    push("rough_conductor", format!("{name}_{x}_{y}"), shape, [x, y], gold)?;
-                }
-            }
-            for (shape, name) in shapes {
-                let white = Fresnel::constant(Rgb::WHITE)?;
-                push("rough_mirror", format!("{name}_0.5"), shape, [0.5; 2], white)?;
-            }
-            for (shape, name) in shapes {
-                for (index, eta) in [("1.5", 1.5), ("1_over_1.5", 1.0 / 1.5), ("1", 1.0)] {
-                    let glass = Fresnel::dielectric(f(eta))?;
-                    let case = format!("{name}_0.3_eta_{index}");
-                    push("rough_dielectric_reflection", case, shape, [0.3; 2], glass)?;
-                }
-            }
-        }
-        LobeKind::MicrofacetDielectric => {
-            let glass = |shape, [x, y]: [f64; 2], eta: f64| {
-                MicrofacetDielectric::new(Distribution::new(shape, f(x), f(y))?, f(eta))
-            };
-            for (shape, name) in [(Shape::Ggx, "ggx"), (Shape::Beckmann, "beckmann")] {
-                for alpha in ALPHAS {
-                    let lobe = glass(shape, [alpha; 2], 1.5)?;
-                    cases.push(BxdfSpecimen::of_lobe(&format!("rough_dielectric/{name}_{alpha}"), lobe));
-                }
-            }
-        }
-        LobeKind::RefractiveLayer => {
-            let white: Arc<dyn Bxdf<F>> = Arc::new(Lambertian::new(Rgb::WHITE)?);
-            let clear = Coat { eta: f(1.5), thickness: F::ONE, sigma_a: Rgb::BLACK, roughness: None };
-            cases.push(BxdfSpecimen::of_lobe("coat/white", RefractiveLayer::new(clear, white)?));
-        }
+        LobeKind::MicrofacetReflection => return rough_reflectors(),
+        LobeKind::MicrofacetDielectric => return rough_dielectrics(),
+        LobeKind::RefractiveLayer => return coats(),
         LobeKind::KullaContyReflection => {
-            let white = Fresnel::constant(Rgb::WHITE)?;
-            for alpha in [0.3, 1.0] {
-                let ggx = Distribution::new(Shape::Ggx, f(alpha), f(alpha))?;
-                let lobe = KullaContyReflection::new(ggx, white);
-                cases.push(BxdfSpecimen::of_lobe(&format!("higher_orders/ggx_{alpha}"), lobe));
+            let [eta, k] = metal("gold/Johnson-1972")?;
+            for (name, shape, alpha, fresnel) in [
+                ("ggx_1_white", Shape::Ggx, 1.0, Fresnel::constant(Rgb::WHITE)?),
+                ("ggx_0.3_gold", Shape::Ggx, 0.3, Fresnel::conductor(eta, k)?),
+                ("beckmann_0.5_gold", Shape::Beckmann, 0.5, Fresnel::conductor(eta, k)?),
+            ] {
+                let lobe = KullaContyReflection::new(Distribution::new(shape, f(alpha), f(alpha))?, fresnel);
+                cases.push(BxdfSpecimen::of_lobe(&format!("higher_orders/{name}"), lobe));
             }
         }
         LobeKind::KullaContyDielectric => {
-            for alpha in [0.3, 1.0] {
-                let ggx = Distribution::new(Shape::Ggx, f(alpha), f(alpha))?;
-                let lobe = KullaContyDielectric::new(&MicrofacetDielectric::new(ggx, f(1.5))?);
-                cases.push(BxdfSpecimen::of_lobe(&format!("higher_orders_dielectric/ggx_{alpha}"), lobe));
+            for (name, shape, alpha, eta) in [
+                ("ggx_0.5_eta_1.5", Shape::Ggx, 0.5, 1.5),
+                ("beckmann_1_eta_1_over_1.5", Shape::Beckmann, 1.0, 1.0 / 1.5),
+            ] {
+                let distribution = Distribution::new(shape, f(alpha), f(alpha))?;
+                let lobe = KullaContyDielectric::new(&MicrofacetDielectric::new(distribution, f(eta))?);
+                cases.push(BxdfSpecimen::of_lobe(&format!("higher_orders_dielectric/{name}"), lobe));
             }
         }
     }
+    Ok(cases)
+}
+
+/// The shapes that have Smith masking, with their names.
+const SMITH: [(Shape, &str); 2] = [(Shape::Ggx, "ggx"), (Shape::Beckmann, "beckmann")];
+
+fn isotropic<F: Real>(shape: Shape, alpha: f64) -> Result<Distribution<F>, OutOfRange> {
+    Distribution::new(shape, F::from_f64(alpha), F::from_f64(alpha))
+}
+
+fn anisotropic<F: Real>(shape: Shape, [x, y]: [f64; 2]) -> Result<Distribution<F>, OutOfRange> {
+    Distribution::new(shape, F::from_f64(x), F::from_f64(y))
+}
+
+fn rough_reflectors<F: Real>() -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> {
+    let f = F::from_f64;
+    let mut cases = Vec::new();
+    let mut push = |name: String, distribution, fresnel| {
+        cases.push(BxdfSpecimen::of_lobe(&name, MicrofacetReflection::new(distribution, fresnel)));
+    };
+    let conductor = |table: &str| -> Result<Fresnel<F>, CatalogueError> {
+        let [eta, k] = metal(table)?;
+        Ok(Fresnel::conductor(eta, k)?)
+    };
+    let gold = conductor("gold/Johnson-1972")?;
+    let white = Fresnel::constant(Rgb::WHITE)?;
+    for (shape, name) in SMITH {
+        for alpha in ALPHAS {
+            push(format!("rough_conductor/{name}_{alpha}"), isotropic(shape, alpha)?, gold);
+        }
+        for [x, y] in ANISOTROPIC {
+            push(format!("rough_conductor/{name}_{x}_{y}"), anisotropic(shape, [x, y])?, gold);
+        }
+        push(format!("rough_mirror/{name}_0.5"), isotropic(shape, 0.5)?, white);
+        push(format!("smooth_limit/{name}_9e-5"), isotropic(shape, 9e-5)?, gold);
+        for (index, eta) in [("1.5", 1.5), ("1_over_1.5", 1.0 / 1.5), ("1", 1.0)] {
+            push(
+                format!("rough_gloss/{name}_0.3_eta_{index}"),
+                isotropic(shape, 0.3)?,
+                Fresnel::dielectric(f(eta))?,
+            );
+        }
+        for (masking, shadowing) in
+            [("separable", Shadowing::SmithSeparable), ("v_cavity", Shadowing::VCavity)]
+        {
+            for alpha in [0.05, 0.5] {
+                let distribution = isotropic(shape, alpha)?.with_shadowing(shadowing)?;
+                push(format!("rough_conductor/{name}_{masking}_{alpha}"), distribution, gold);
+            }
+        }
+    }
+    for table in &METALS[1..] {
+        let (name, _) = table.split_once('/').unwrap_or((table, ""));
+        push(format!("rough_conductor/{name}_ggx_0.2"), isotropic(Shape::Ggx, 0.2)?, conductor(table)?);
+    }
+    for alpha in [0.01, 0.1, 0.3, 1.0] {
+        push(format!("rough_conductor/gaussian_{alpha}"), isotropic(Shape::Gaussian, alpha)?, gold);
+    }
+    let brushed = anisotropic(Shape::Beckmann, [0.5, 0.2])?.with_shadowing(Shadowing::VCavity)?;
+    push("rough_conductor/beckmann_v_cavity_0.5_0.2".to_owned(), brushed, gold);
+    push("rough_conductor/gaussian_0.5_0.2".to_owned(), anisotropic(Shape::Gaussian, [0.5, 0.2])?, gold);
+    Ok(cases)
+}
+
+fn rough_dielectrics<F: Real>() -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> {
+    let mut cases = Vec::new();
+    let mut push = |name: String, distribution, eta: f64| {
+        cases.push(BxdfSpecimen::of_lobe(&name, MicrofacetDielectric::new(distribution, F::from_f64(eta))?));
+        Ok::<(), OutOfRange>(())
+    };
+    for (shape, name) in SMITH {
+        for alpha in ALPHAS {
+            push(format!("rough_dielectric/{name}_{alpha}_eta_1.5"), isotropic(shape, alpha)?, 1.5)?;
+        }
+    }
+    for (index, eta) in [
+        ("1.1", 1.1),
+        ("2.42", 2.42),
+        ("1_over_1.1", 1.0 / 1.1),
+        ("1_over_1.5", 1.0 / 1.5),
+        ("1_over_2.42", 1.0 / 2.42),
+    ] {
+        push(format!("rough_dielectric/ggx_0.01_eta_{index}"), isotropic(Shape::Ggx, 0.01)?, eta)?;
+        push(format!("rough_dielectric/beckmann_0.1_eta_{index}"), isotropic(Shape::Beckmann, 0.1)?, eta)?;
+        push(format!("rough_dielectric/ggx_0.5_eta_{index}"), isotropic(Shape::Ggx, 0.5)?, eta)?;
+    }
+    for [x, y] in ANISOTROPIC {
+        push(format!("rough_dielectric/ggx_{x}_{y}_eta_1.5"), anisotropic(Shape::Ggx, [x, y])?, 1.5)?;
+    }
+    let separable = isotropic(Shape::Ggx, 0.3)?.with_shadowing(Shadowing::SmithSeparable)?;
+    push("rough_dielectric/ggx_separable_0.3_eta_1.5".to_owned(), separable, 1.5)?;
+    let cavities = isotropic(Shape::Beckmann, 0.3)?.with_shadowing(Shadowing::VCavity)?;
+    push("rough_dielectric/beckmann_v_cavity_0.3_eta_1.5".to_owned(), cavities, 1.5)?;
+    push("rough_dielectric/gaussian_0.3_eta_1.5".to_owned(), isotropic(Shape::Gaussian, 0.3)?, 1.5)?;
+    // The refracted lobe is too narrow to be resolved.
+    push("smooth_limit/glass_1_eta_1.0001".to_owned(), isotropic(Shape::Ggx, 1.0)?, 1.0001)?;
+    push("smooth_limit/glass_9e-5_eta_1.5".to_owned(), isotropic(Shape::Beckmann, 9e-5)?, 1.5)?;
+    let tints = [[0.9, 0.5, 0.0], [0.2, 0.8, 1.0]].map(|tint| Rgb(tint.map(F::from_f64)));
+    let coloured = MicrofacetDielectric::new(isotropic(Shape::Ggx, 0.2)?, F::from_f64(1.5))?;
+    let coloured = coloured.with_tints(tints[0], tints[1])?;
+    cases.push(BxdfSpecimen::of_lobe("rough_dielectric/coloured_ggx_0.2_eta_1.5", coloured));
+    Ok(cases)
+}
+
+fn coats<F: Real>() -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> {
+    let f = F::from_f64;
+    let coat = |eta: f64, sigma_a: [f64; 3], roughness| Coat {
+        eta: f(eta),
+        thickness: F::ONE,
+        sigma_a: Rgb(sigma_a.map(f)),
+        roughness,
+    };
+    let (clear, tinted, dark) = ([0.0; 3], [0.25, 1.0, 0.0], [3.0, 0.3, 0.05]);
+    let diffuse =
+        |reflectance: [f64; 3]| Ok::<_, OutOfRange>(Lambertian::new(Rgb(reflectance.map(f)))?.into());
+    let inside = |table: &str| -> Result<Fresnel<F>, CatalogueError> {
+        let [eta, k] = metal(table)?;
+        Ok(Fresnel::conductor(eta, k)?.immersed(f(1.5))?)
+    };
+    let rough_metal = |table: &str, distribution| -> Result<Lobe<F>, CatalogueError> {
+        Ok(MicrofacetReflection::new(distribution, inside(table)?).into())
+    };
+    let aluminium = inside("aluminium/Rakic-1995")?;
+    let orange_peel = OrenNayar::new(OrenNayarModel::EnergyPreserving, Rgb([0.9, 0.5, 0.1].map(f)), f(0.8))?;
+    let bases: [(&str, Coat<F>, Lobe<F>); 13] = [
+        ("lambert_white", coat(1.5, clear, None), diffuse([1.0; 3])?),
+        ("lambert_white_eta_2.42", coat(2.42, clear, None), diffuse([1.0; 3])?),
+        ("lambert_tinted", coat(1.5, tinted, None), diffuse([0.9, 0.5, 0.1])?),
+        ("lambert_dark", coat(1.33, dark, None), diffuse([0.8; 3])?),
+        ("lambert_eta_1", coat(1.0, tinted, None), diffuse([0.5; 3])?),
+        ("oren_nayar", coat(1.5, tinted, None), orange_peel.into()),
+        ("smooth_aluminium", coat(1.5, tinted, None), SpecularReflection::new(aluminium).into()),
+        ("gold_0.1", coat(1.5, clear, None), rough_metal("gold/Johnson-1972", isotropic(Shape::Ggx, 0.1)?)?),
+        (
+            "chromium_0.3",
+            coat(1.5, tinted, None),
+            rough_metal("chromium/Johnson-1974", isotropic(Shape::Beckmann, 0.3)?)?,
+        ),
+        (
+            "copper_0.01",
+            coat(1.5, dark, None),
+            rough_metal("copper/Johnson-1972", isotropic(Shape::Ggx, 0.01)?)?,
+        ),
+        ("rough_0.1_lambert_white", coat(1.5, clear, Some(isotropic(Shape::Ggx, 0.1)?)), diffuse([1.0; 3])?),
+        (
+            "rough_0.5_lambert_tinted",
+            coat(1.5, tinted, Some(isotropic(Shape::Beckmann, 0.5)?)),
+            diffuse([0.9, 0.5, 0.1])?,
+        ),
+        (
+            "rough_0.1_gold_0.3",
+            coat(1.5, tinted, Some(isotropic(Shape::Ggx, 0.1)?)),
+            rough_metal("gold/Johnson-1972", isotropic(Shape::Ggx, 0.3)?)?,
+        ),
+    ];
+    let specimen = |(name, coat, base)| {
+        let layer = RefractiveLayer::new(coat, Arc::new(base))?;
+        Ok::<_, CatalogueError>(BxdfSpecimen::of_lobe(&format!("coat/{name}"), layer))
+    };
+    let mut cases = bases.into_iter().map(specimen).collect::<Result<Vec<_>, _>>()?;
+    let brushed = rough_metal("aluminium/Rakic-1995", anisotropic(Shape::Ggx, [0.5, 0.2])?)?;
+    cases.push(specimen(("aluminium_0.5_0.2", coat(1.5, clear, None), brushed))?.anisotropic());
     Ok(cases)
 }

@@ -26,10 +26,10 @@ const WHAT: [&str; RESOLUTIONS] = [
 
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     for surveyed in examination.surveys() {
-        examination
-            .judge(surveyed, ledger, |Surveyed { survey, tally, .. }| tails(examination, survey, tally));
-        let second = surveyed.second.get().and_then(|second| second.tally.unusable);
-        if let Some(scatter) = surveyed.tally.unusable.or(second) {
+        examination.judge(surveyed, ledger, |survey, tally| tails(examination, survey, tally));
+        let unusable = |surveyed: &Surveyed| surveyed.tally.as_ref().and_then(|tally| tally.unusable);
+        let second = || surveyed.second.get().and_then(|second| unusable(second));
+        if let Some(scatter) = unusable(surveyed).or_else(second) {
             let what = "a sample that is not a direction with a weight";
             let witness = surveyed.setting.witness().with_wi(scatter.wi);
             ledger.record(Check::new(what, f64::NAN, 0.0, witness));
@@ -102,8 +102,8 @@ fn table(examination: &Examination<'_>, survey: &Survey, tally: &Tally, level: u
     {
         rows[cell.groups[level]].add(Row { probability, error, observed });
     }
-    for (atom, &observed) in survey.atoms.iter().zip(&tally.atoms) {
-        rows.push(Row { probability: atom.probability, error: 0.0, observed });
+    for (delta, &observed) in survey.deltas.iter().zip(&tally.deltas) {
+        rows.push(Row { probability: delta.probability, error: 0.0, observed });
     }
     let [probability, error] = survey.no_sample(examination.claims.precision);
     let none = Row { probability: probability.max(0.0), error, observed: tally.none };

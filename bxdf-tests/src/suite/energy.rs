@@ -1,6 +1,6 @@
 //! The directional albedo, by cubature of `eval` and by the mean of the weights.
 
-use super::{Examination, PValue, Surveyed};
+use super::{Examination, PValue};
 use crate::claims::Energy;
 use crate::specimen::Transport;
 use crate::statistics::{bernstein_reach, ln_bernstein_two_sided};
@@ -46,7 +46,7 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
                 largest_albedo = largest_albedo.max(albedo - error);
             }
         }
-        examination.judge(surveyed, ledger, |Surveyed { survey, tally, .. }| {
+        examination.judge(surveyed, ledger, |survey, tally| {
             let surveyed = survey.albedo();
             let samples = tally.samples as f64;
             // The largest weight found by either way: more can only make the bound wider.
@@ -57,7 +57,7 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
                 let difference = ((mean - albedo).abs() - error).max(0.0);
                 let second_moment = survey.integral.value[4 + channel]
                     + survey.integral.error[4 + channel]
-                    + survey.atom_moment(channel, 2);
+                    + survey.delta_moment(channel, 2);
                 let deviation = (second_moment - albedo * albedo).max(0.0).sqrt();
                 let ln_p = if mean.is_nan() || albedo.is_nan() {
                     f64::NAN

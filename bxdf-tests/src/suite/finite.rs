@@ -22,27 +22,20 @@ fn edge_directions(precision: Precision) -> Vec<Direction> {
     let below: Vec<_> = directions.iter().map(|&[x, y, z]| [-x, y, -z]).collect();
     directions.extend(below);
     // Rounded here: what is above in double precision may lie in the tangent plane in single.
-    match precision {
-        Precision::F32 => directions.into_iter().map(|w| w.map(|x| f64::from(x as f32))).collect(),
-        Precision::F64 => directions,
-    }
+    directions.into_iter().map(|w| w.map(|x| precision.round(x))).collect()
 }
 
 /// Uniforms at and near both ends, exact in the precision of the specimen.
 fn edge_uniforms(precision: Precision) -> Vec<f64> {
     let below_one = 1.0 - 0.5 * precision.epsilon();
-    let tiny = match precision {
-        Precision::F32 => f64::from(f32::EPSILON / 2.0),
-        Precision::F64 => f64::EPSILON / 2.0,
-    };
-    vec![0.0, tiny, 1e-3_f32.into(), 0.25, 0.5, 0.75, below_one]
+    vec![0.0, 0.5 * precision.epsilon(), 1e-3_f32.into(), 0.25, 0.5, 0.75, below_one]
 }
 
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     // Inside the domain: every node of the cubature and every counted sample.
     for Surveyed { setting, survey, tally, .. } in examination.surveys() {
         let what = "f, pdf [1/sr] or weight anywhere inside is finite and not negative";
-        for lowest in [survey.lowest, tally.lowest_weight] {
+        for lowest in [survey.lowest].into_iter().chain(tally.as_ref().map(|tally| tally.lowest_weight)) {
             ledger.record(not_negative(what, lowest, setting.witness()));
         }
     }

@@ -3,7 +3,9 @@
 
 use super::Examination;
 use crate::claims::Boundary;
-use crate::specimen::{Direction, Measure, Scatter, Transport};
+use crate::deltas::{Delta, Deltas};
+use crate::specimen::{Direction, Transport};
+use crate::survey::draw;
 use crate::verdict::{Check, Ledger, Witness};
 
 /// Allowed error in units of ε, beyond what rounding the cosine costs.
@@ -48,15 +50,15 @@ fn cosines(eta: f64) -> Vec<f64> {
 
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     let Some(boundary) = examination.claims.boundary else { return };
+    if examination.claims.microfacet {
+        index(examination, ledger, &boundary);
+    }
     let sides: &[bool] = if examination.claims.two_sided { &[true, false] } else { &[true] };
     for &from_above in sides {
         for channel in 0..3 {
             let [eta, k] = relative_index(&boundary, channel, from_above);
             for cos_theta in cosines(eta) {
-                let cos_theta = match examination.claims.precision {
-                    crate::Precision::F32 => f64::from(cos_theta as f32),
-                    crate::Precision::F64 => cos_theta,
-                };
+                let cos_theta = examination.claims.precision.round(cos_theta);
                 polarised(examination, ledger, cos_theta, [eta, k], channel, from_above);
                 // A rough surface shows its Fresnel term in suite `microfacet`; at 90° nothing arrives.
                 if !examination.claims.microfacet && cos_theta > 0.0 {
@@ -64,6 +66,27 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
                 }
             }
         }
+    }
+}
+
+/// Samples per setting.
+const SAMPLES: usize = 64;
+
+/// What a rough boundary refracts reports the index that it claims; suite `weight` asks reflections for 1.
+fn index(examination: &Examination<'_>, ledger: &mut Ledger, boundary: &Boundary) {
+    let (specimen, precision) = (examination.specimen, examination.claims.precision);
+    for setting in examination.settings() {
+        let mut generator = examination.plan.generator(&examination.name, &setting, "fresnel");
+        draw(specimen, &setting, precision, &mut generator, SAMPLES, |uniforms, scatter| {
+            let Some(scatter) = scatter.filter(|scatter| scatter.wi[2] * setting.wo[2] < 0.0) else { return };
+            let witness = setting.witness().with_wi(scatter.wi).with_uniforms(uniforms);
+            for channel in 0..3 {
+                let [eta, _] = relative_index(boundary, channel, setting.wo[2] > 0.0);
+                let limit = 4.0 * precision.epsilon() * eta;
+                let what = "error of the index that a refraction reports";
+                ledger.record(Check::new(what, (scatter.eta - eta).abs(), limit, witness));
+            }
+        });
     }
 }
 
@@ -129,7 +152,7 @@ fn smooth(
     let epsilon = examination.claims.precision.epsilon();
     let wo = incident(cos_theta, from_above);
     let transport = Transport::Importance;
-    let deltas = deltas(examination, wo, transport);
+    let deltas = Deltas::sweep(examination.specimen, examination.claims.precision, wo, transport, [0.5; 3]);
     let witness = Witness::at(wo, transport);
     let unpolarised = |c: f64, eta: f64| {
         let [s, p] = reference(c, eta, k);
@@ -137,12 +160,9 @@ fn smooth(
     };
     let exact = unpolarised(cos_theta, eta);
     let limit = allowed(examination, exact, unpolarised, cos_theta, eta);
-    let power = |scatter: &Scatter| match scatter.density {
-        Measure::Discrete(probability) => probability * scatter.weight[channel],
-        Measure::SolidAngle(_) => f64::NAN,
-    };
     let sum = |crossing: bool| -> f64 {
-        deltas.iter().filter(|delta| (delta.wi[2] * wo[2] < 0.0) == crossing).map(power).sum()
+        let through = |delta: &&Delta| (delta.scatter.wi[2] * wo[2] < 0.0) == crossing;
+        deltas.iter().filter(through).map(|delta| delta.power(transport)[channel]).sum()
     };
     let (reflected, transmitted) = (sum(false), sum(true));
     ledger.record(Check::new("error of the reflectance", (reflected - exact).abs(), limit, witness));
@@ -152,7 +172,7 @@ fn smooth(
         let what = "R + T against 1";
         ledger.record(Check::new(what, (reflected + transmitted - 1.0).abs(), 8.0 * epsilon, witness));
     }
-    for delta in &deltas {
+    for Delta { scatter: delta, .. } in deltas.iter() {
         let crossing = delta.wi[2] * wo[2] < 0.0;
         let expected = if crossing { [-wo[0] / eta, -wo[1] / eta] } else { [-wo[0], -wo[1]] };
         let error = (0..2).map(|i| (delta.wi[i] - expected[i]).abs()).fold(0.0, f64::max);
@@ -162,21 +182,6 @@ fn smooth(
         let what = "error of the index that a delta reports";
         ledger.record(Check::new(what, (delta.eta - index).abs(), 4.0 * epsilon * index, witness));
     }
-}
-
-/// The deltas of one direction: the component's uniform is swept, and its end tried.
-fn deltas(examination: &Examination<'_>, wo: Direction, transport: Transport) -> Vec<Scatter> {
-    let last = 1.0 - 0.5 * examination.claims.precision.epsilon();
-    let mut deltas: Vec<Scatter> = Vec::new();
-    for uc in [0.0, 0.25, 0.5, 0.75, last] {
-        if let Some(scatter @ Scatter { density: Measure::Discrete(_), .. }) =
-            examination.specimen.sample(wo, [uc, 0.5, 0.5], transport)
-            && !deltas.iter().any(|delta| delta.wi == scatter.wi)
-        {
-            deltas.push(scatter);
-        }
-    }
-    deltas
 }
 
 #[cfg(test)]

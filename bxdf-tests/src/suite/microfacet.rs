@@ -6,7 +6,7 @@ use super::{Examination, normalized};
 use crate::Precision;
 use crate::plan::{AZIMUTHS, POLAR_DEG, direction};
 use crate::quadrature::{Effort, Integral, NODES, Rectangle, Region, integrate};
-use crate::specimen::{Direction, Microsurface, Transport};
+use crate::specimen::{Direction, Measure, Microsurface, Scatter, Transport};
 use crate::survey::draw;
 use crate::verdict::{Check, Ledger, Witness};
 use core::f64::consts::PI;
@@ -72,13 +72,16 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
         POLAR_DEG.iter().flat_map(|&polar| azimuths.iter().map(move |&phi| direction(polar, phi))).collect();
     for &w in &directions {
         let witness = Witness::at(w, Transport::Radiance);
-        // Weak white furnace: what is seen of the micro surface is the macro surface.
-        let masking = surface.g1(w) / w[2];
         let azimuth = libm::atan2(w[1], w[0]);
-        let seen = integral(effort, azimuth, &|m| surface.d(m) * masking * facing(w, m));
+        // Weak white furnace: what is seen of the micro surface is the macro surface.
+        let seen =
+            integral(effort, azimuth, &|m| surface.d(m) * surface.g1(w, m) * dot(w, m).max(0.0) / w[2]);
         is_one("∫ D G1 (w·m) / cos θ - 1 (weak white furnace)", seen, witness);
-        let visible = integral(effort, azimuth, &|m| surface.visible_pdf(w, m));
-        is_one("∫ density of visible normals - 1", visible, witness);
+        // It draws visible normals from everywhere or from nowhere.
+        if surface.visible_pdf(w, w).is_some() {
+            let visible = integral(effort, azimuth, &|m| surface.visible_pdf(w, m).unwrap_or(f64::NAN));
+            is_one("∫ density of visible normals - 1", visible, witness);
+        }
     }
     pointwise(examination, ledger, surface, &directions);
     lobe(examination, ledger, surface);
@@ -87,8 +90,8 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
 /// Samples per setting.
 const SAMPLES: usize = 64;
 
-/// The lobe is made of these terms: visible normals are D G₁ (w·m) / cos θ, and f · 4 cos θo cos θi / (D G₂) is the
-/// Fresnel reflectance at the micro normal, where the specimen claims one.
+/// The lobe is made of these terms: visible normals are D G₁ (w·m) / cos θ, and f is F D G₂ / (4 cos θo cos θi) in
+/// reflection and [`transmitted`] in transmission, where the specimen claims a boundary.
 fn lobe(examination: &Examination<'_>, ledger: &mut Ledger, surface: &dyn Microsurface) {
     let (specimen, claims) = (examination.specimen, &examination.claims);
     let epsilon = claims.precision.epsilon();
@@ -97,42 +100,95 @@ fn lobe(examination: &Examination<'_>, ledger: &mut Ledger, surface: &dyn Micros
         let sign = 1.0_f64.copysign(setting.wo[2]);
         let wo = setting.wo.map(|x| x * sign);
         draw(specimen, &setting, claims.precision, &mut generator, SAMPLES, |uniforms, scatter| {
-            let Some(scatter) = scatter else { return };
+            let Some(scatter @ Scatter { density: Measure::SolidAngle(_), .. }) = scatter else { return };
             let wi = scatter.wi.map(|x| x * sign);
-            if wi[2] <= 0.0 {
-                return;
-            }
             let witness = setting.witness().with_wi(scatter.wi).with_uniforms(uniforms);
-            let m = normalized(core::array::from_fn(|i| wo[i] + wi[i]));
-            let cosine = facing(wo, m);
-            let expected = surface.d(m) * surface.g1(wo) * cosine / wo[2];
-            let error = (surface.visible_pdf(wo, m) - expected).abs();
-            let what = "density of visible normals against D G1 (w·m) / cos θ [1/sr]";
-            ledger.record(Check::new(what, error, 64.0 * epsilon * expected + f64::MIN_POSITIVE, witness));
+            // Which facet refracts from wo into wi is known where the index is.
+            if wi[2] > 0.0 || claims.boundary.is_some() {
+                let [eta, _] =
+                    claims.boundary.map_or([1.0, 0.0], |boundary| relative_index(&boundary, 0, sign > 0.0));
+                let m = half(wo, wi, eta);
+                if let Some(visible) = surface.visible_pdf(wo, m) {
+                    let facets = surface.d(m) * surface.g1(wo, m) / wo[2];
+                    let error = (visible - facets * dot(wo, m).max(0.0)).abs();
+                    let what = "density of visible normals against D G1 (w·m) / cos θ [1/sr]";
+                    // The cosine is rounded by some ε.
+                    ledger.record(Check::new(
+                        what,
+                        error,
+                        64.0 * epsilon * facets + claims.precision.smallest_normal(),
+                        witness,
+                    ));
+                }
+            }
             let Some(boundary) = claims.boundary else { return };
-            let half = |w: Direction| normalized(core::array::from_fn(|i| wo[i] + w[i]));
             for channel in 0..3 {
-                let [eta, k] = relative_index(&boundary, channel, sign > 0.0);
+                let index = relative_index(&boundary, channel, sign > 0.0);
                 let model = |w: Direction| {
-                    let m = half(w);
-                    let [s, p] = reference(facing(wo, m).min(1.0), eta, k);
-                    0.5 * (s + p) * surface.d(m) * surface.g2(wo, w) / (4.0 * wo[2] * w[2])
+                    if w[2] > 0.0 {
+                        reflected(surface, wo, w, index)
+                    } else {
+                        transmitted(surface, wo, w, index, setting.transport)
+                    }
                 };
                 let value =
                     |w: Direction| specimen.eval(setting.wo, w.map(|x| x * sign), setting.transport)[channel];
                 let (f, expected) = (value(wi), model(wi));
                 let allowed = examination.rounding_error(wi, expected, model)
-                    + examination.rounding_error(wi, f, value)
-                    + f64::MIN_POSITIVE;
-                let what = "f against F D G2 / (4 cos θo cos θi) [1/sr]";
+                    + examination.rounding_error(wi, f, value);
+                let what = if wi[2] > 0.0 {
+                    "f against F D G2 / (4 cos θo cos θi) [1/sr]"
+                } else {
+                    "f against (1 - F) D G2 |wo·h| |wi·h| η² / (cos θo cos θi (wo·h + η wi·h)²) [1/sr]"
+                };
                 ledger.record(Check::new(what, (f - expected).abs(), allowed, witness));
             }
         });
     }
 }
 
-fn facing(w: Direction, m: Direction) -> f64 {
-    (0..3).map(|i| w[i] * m[i]).sum::<f64>().max(0.0)
+/// The micro normal that reflects `wo` into `wi`, or refracts it there through a boundary of relative index `eta`.
+fn half(wo: Direction, wi: Direction, eta: f64) -> Direction {
+    let index = if wi[2] > 0.0 { 1.0 } else { eta };
+    let h = normalized(core::array::from_fn(|i| wo[i] + index * wi[i]));
+    let sign = 1.0_f64.copysign(h[2]);
+    h.map(|x| x * sign)
+}
+
+/// F D G₂ / (4 cos θo cos θi) \[sr⁻¹\] with exact F.
+fn reflected(surface: &dyn Microsurface, wo: Direction, wi: Direction, [eta, k]: [f64; 2]) -> f64 {
+    let h = half(wo, wi, eta);
+    let [s, p] = reference(dot(wo, h).clamp(0.0, 1.0), eta, k);
+    0.5 * (s + p) * surface.d(h) * surface.g2(wo, wi, h) / (4.0 * wo[2] * wi[2])
+}
+
+/// (1 − F) D G₂ |wo·h| |wi·h| η² / (|cos θo cos θi| (wo·h + η wi·h)²) \[sr⁻¹\] for importance, 1/η² of it for
+/// radiance; 0 unless the facet faces `wo` and turns its back to `wi`, and below a conductor.
+///
+/// Walter et al., EGSR 2007, equation 21, <https://doi.org/10.2312/EGWR/EGSR07/195-206>.
+fn transmitted(
+    surface: &dyn Microsurface,
+    wo: Direction,
+    wi: Direction,
+    [eta, k]: [f64; 2],
+    transport: Transport,
+) -> f64 {
+    let h = half(wo, wi, eta);
+    let (wo_h, wi_h) = (dot(wo, h), dot(wi, h));
+    if wo_h <= 0.0 || wi_h >= 0.0 || k > 0.0 {
+        return 0.0;
+    }
+    let [s, p] = reference(wo_h.min(1.0), eta, k);
+    let gain = match transport {
+        Transport::Radiance => 1.0,
+        Transport::Importance => eta * eta,
+    };
+    let jacobian = gain * wo_h * -wi_h / (wo_h + eta * wi_h).powi(2);
+    (1.0 - 0.5 * (s + p)) * surface.d(h) * surface.g2(wo, wi, h) * jacobian / (wo[2] * -wi[2])
+}
+
+fn dot(a: Direction, b: Direction) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
 }
 
 /// Identities between Λ, G₁ and G₂ that need no integral.
@@ -142,20 +198,39 @@ fn pointwise(
     surface: &dyn Microsurface,
     directions: &[Direction],
 ) {
-    let rounding = 64.0 * examination.claims.precision.epsilon();
+    let claims = &examination.claims;
+    let rounding = 64.0 * claims.precision.epsilon();
+    let indices: &[bool] = if claims.two_sided { &[true, false] } else { &[true] };
     for &wo in directions {
-        let g1 = surface.g1(wo);
         let witness = Witness::at(wo, Transport::Radiance);
-        let what = "G1 (1 + Λ) - 1";
-        // Λ itself is a difference of numbers near 1 for directions that are hardly masked.
-        ledger.record(Check::new(what, (g1 * (1.0 + surface.lambda(wo)) - 1.0).abs(), rounding, witness));
         for &wi in directions {
             let witness = witness.with_wi(wi);
-            let g2 = surface.g2(wo, wi);
-            let least = g1.min(surface.g1(wi));
-            ledger.record(Check::new("G2 above the smaller G1", g2 - least, rounding * least, witness));
-            let difference = (g2 - surface.g2(wi, wo)).abs();
+            let h = half(wo, wi, 1.0);
+            let g1 = surface.g1(wo, h);
+            if let Some(lambda) = surface.lambda(wo) {
+                // Λ itself is a difference of numbers near 1 for directions that are hardly masked.
+                let error = (g1 * (1.0 + lambda) - 1.0).abs();
+                ledger.record(Check::new("G1 (1 + Λ) - 1", error, rounding, witness));
+            }
+            let g2 = surface.g2(wo, wi, h);
+            let least = g1.min(surface.g1(wi, h));
+            ledger.record(Check::new(ABOVE, g2 - least, rounding * least, witness));
+            let difference = (g2 - surface.g2(wi, wo, h)).abs();
             ledger.record(Check::new("G2(wo, wi) - G2(wi, wo)", difference, rounding, witness));
+            let Some(boundary) = claims.boundary.filter(|_| claims.transmits) else { continue };
+            // Seen from behind, a facet is masked as from the opposite direction.
+            let through = [-wi[0], -wi[1], -wi[2]];
+            for &from_above in indices {
+                let [eta, _] = relative_index(&boundary, 0, from_above);
+                let h = half(wo, through, eta);
+                if dot(wo, h) > 0.0 && dot(through, h) < 0.0 {
+                    let least = surface.g1(wo, h).min(surface.g1(wi, h));
+                    let excess = surface.g2(wo, through, h) - least;
+                    ledger.record(Check::new(ABOVE, excess, rounding * least, witness.with_wi(through)));
+                }
+            }
         }
     }
 }
+
+const ABOVE: &str = "G2 above the smaller G1";

@@ -1,6 +1,6 @@
 //! The density, the deltas and the probability of no sample make one.
 
-use super::{Examination, PValue, Surveyed};
+use super::{Examination, PValue};
 use crate::statistics::ln_binomial_two_sided;
 use crate::verdict::{Check, Ledger};
 
@@ -15,7 +15,7 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
         let mut mass = Check::new("mass of the pdf and the deltas above 1", -none, error, witness);
         mass.inconclusive = (error > WORST_ERROR).then_some("the integral of the pdf does not converge");
         ledger.record(mass);
-        examination.judge(surveyed, ledger, |Surveyed { survey, tally, .. }| {
+        examination.judge(surveyed, ledger, |survey, tally| {
             let [none, error] = survey.no_sample(precision);
             let ln_p = if none.is_nan() {
                 f64::NAN
