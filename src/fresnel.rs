@@ -292,14 +292,21 @@ impl<F: Real> Fresnel<F> {
     /// Reflectance for unpolarised light that arrives from above.
     #[inline]
     pub fn reflectance(&self, cos_theta_i: F) -> Rgb<F> {
+        self.reflectance_at(|| cos_theta_i)
+    }
+
+    /// [`Self::reflectance`] at a cosine that is computed only where it matters.
+    #[inline]
+    pub(crate) fn reflectance_at(&self, cos_theta_i: impl FnOnce() -> F) -> Rgb<F> {
         match *self {
             Self::Constant(reflectance) => reflectance,
-            Self::Dielectric { eta } => Rgb::splat(dielectric(cos_theta_i, eta).reflectance.unpolarized()),
-            Self::Conductor { eta, k } => Rgb([
-                conductor(cos_theta_i, eta[0], k[0]).reflectance.unpolarized(),
-                conductor(cos_theta_i, eta[1], k[1]).reflectance.unpolarized(),
-                conductor(cos_theta_i, eta[2], k[2]).reflectance.unpolarized(),
-            ]),
+            Self::Dielectric { eta } => Rgb::splat(dielectric(cos_theta_i(), eta).reflectance.unpolarized()),
+            Self::Conductor { eta, k } => {
+                let cos_theta_i = cos_theta_i();
+                Rgb(core::array::from_fn(|channel| {
+                    conductor(cos_theta_i, eta[channel], k[channel]).reflectance.unpolarized()
+                }))
+            }
         }
     }
 }

@@ -22,7 +22,7 @@ mod shadowing;
 
 pub use shadowing::{NoSmithForm, Shadowing};
 
-use crate::frame::{is_above, reflect, sin2_theta, stretch};
+use crate::frame::{is_above, sin2_theta, stretch};
 use crate::parameter::{OutOfRange, require};
 use crate::quadrature::{kronecker, unit_square};
 use crate::real::{Real, Vector};
@@ -66,8 +66,18 @@ pub struct FacetScattering<F> {
     pub value: F,
     /// Density \[sr⁻¹\] of scattering `wo` about a sampled normal into `wi`.
     pub pdf: F,
+    /// value · |cos θi| / pdf.
+    pub weight: F,
+    /// Squared cosine between `wo` and the facet.
+    cos2_theta_o: F,
+}
+
+impl<F: Real> FacetScattering<F> {
     /// Cosine between `wo` and the facet, ≥ 0.
-    pub cos_theta_o: F,
+    #[inline]
+    pub fn cos_theta_o(&self) -> F {
+        self.cos2_theta_o.sqrt()
+    }
 }
 
 impl<F: Real> Distribution<F> {
@@ -137,6 +147,12 @@ impl<F: Real> Distribution<F> {
     /// Written over the components of `m`: the form over n·m alone is wrong by 7 % in `f32` at α = 1e-3.
     #[inline]
     pub fn d(&self, m: F::Vec3) -> F {
+        self.density(m, F::ONE)
+    }
+
+    /// D in the direction of a vector of the given squared length.
+    #[inline(always)]
+    fn density(&self, m: F::Vec3, length_squared: F) -> F {
         if m.z() <= F::ZERO {
             return F::ZERO;
         }
@@ -144,8 +160,8 @@ impl<F: Real> Distribution<F> {
         let stretched = x * x + y * y;
         self.peak
             * match self.shape {
-                Shape::Ggx => ggx::density(stretched, m.z()),
-                Shape::Beckmann => beckmann::density(stretched, m.z()),
+                Shape::Ggx => ggx::density(stretched, m.z(), length_squared),
+                Shape::Beckmann => beckmann::density(stretched, m.z(), length_squared),
                 Shape::Gaussian => gaussian::density(stretched, sin2_theta::<F>(m), m.z()),
             }
     }
@@ -153,7 +169,7 @@ impl<F: Real> Distribution<F> {
     /// σ(w): area of the micro surface that the unit vector `w` sees, per unit of macro surface, after Smith.
     ///
     /// Positive for directions below the horizon as well, where it is what a ray inside the micro surface sees.
-    #[inline]
+    #[inline(always)]
     pub fn projected_area(&self, w: F::Vec3) -> F {
         let (x, y) = (self.alpha_x * w.x(), self.alpha_y * w.y());
         let s_squared = x * x + y * y;
@@ -200,7 +216,7 @@ impl<F: Real> Distribution<F> {
         match self.shadowing {
             Shadowing::SmithCorrelated => {
                 let sigma_o = self.projected_area(wo);
-                wo.z() * wi.z() / self.correlated_denominator(sigma_o, wo, wi)
+                wo.z() * wi.z() / (self.projected_area(wi) * wo.z() + (sigma_o - wo.z()) * wi.z())
             }
             Shadowing::SmithSeparable => self.g1(wo, m) * self.g1(wi, m),
             Shadowing::VCavity => self.g1(wo, m).min(self.g1(wi, m)),
@@ -221,12 +237,6 @@ impl<F: Real> Distribution<F> {
                 beta(self.projected_area(wo) / wo.z(), self.projected_area(back) / back.z())
             }
         }
-    }
-
-    /// σ_o cos θi + σ_i cos θo − cos θo cos θi; each term is positive, as σ ≥ cos θ.
-    #[inline]
-    fn correlated_denominator(&self, sigma_o: F, wo: F::Vec3, wi: F::Vec3) -> F {
-        self.projected_area(wi) * wo.z() + (sigma_o - wo.z()) * wi.z()
     }
 
     /// Density \[sr⁻¹\] of [`Self::sample_visible`].
@@ -261,20 +271,27 @@ impl<F: Real> Distribution<F> {
     /// Smith: Heitz & d'Eon, *Computer Graphics Forum* 33(4), 2014, <https://doi.org/10.1111/cgf.12417>. V-cavities: a
     /// normal regardless of visibility, then it or its mirror image, the other wall of the cavity. `None` where a
     /// Gaussian normal falls below the horizon.
-    #[inline]
+    #[inline(always)]
     pub fn sample_visible(&self, w: F::Vec3, uc: F, u: [F; 2]) -> Option<(F::Vec3, F)> {
+        self.sample_facet(w, uc, u).map(|(facet, uc)| (facet.normalize(), uc))
+    }
+
+    /// [`Self::sample_visible`] without making the normal a unit vector.
+    #[inline(always)]
+    fn sample_facet(&self, w: F::Vec3, uc: F, u: [F; 2]) -> Option<(F::Vec3, F)> {
         if self.shadowing == Shadowing::VCavity {
             return self.sample_wall(w, uc, u);
         }
         // A distribution stretched by α is the unit-roughness one, seen from the stretched direction.
-        let stretched = stretch::<F>(w, self.alpha_x, self.alpha_y).normalize();
+        let stretched = stretch::<F>(w, self.alpha_x, self.alpha_y);
         let m = match self.shape {
-            Shape::Beckmann => beckmann::sample_visible_unit::<F>(stretched, u),
+            Shape::Beckmann => beckmann::sample_visible_unit::<F>(stretched.normalize(), u),
             Shape::Ggx | Shape::Gaussian => ggx::sample_visible_unit::<F>(stretched, u),
         };
-        Some((stretch::<F>(m, self.alpha_x, self.alpha_y).normalize(), uc))
+        Some((stretch::<F>(m, self.alpha_x, self.alpha_y), uc))
     }
 
+    #[inline(never)]
     fn sample_wall(&self, w: F::Vec3, uc: F, u: [F; 2]) -> Option<(F::Vec3, F)> {
         let slope = |radius: F| {
             let (sin_phi, cos_phi) = u[1].sin_cos_turns();
@@ -297,41 +314,133 @@ impl<F: Real> Distribution<F> {
 
     /// Reflection from `wo` into `wi`, both above the surface, about h = (wo + wi) / |wo + wi|:
     /// D(h) G₂ / (4 cos θo cos θi).
-    #[inline]
+    ///
+    /// h is not made a unit vector: D takes any length, and wo·h is half that of wo + wi.
+    #[inline(always)]
     pub fn reflection(&self, wo: F::Vec3, wi: F::Vec3) -> FacetScattering<F> {
-        let h = (wo + wi).normalize();
-        self.reflection_about(wo, wi, h)
+        let sum = wo + wi;
+        let length_squared = sum.dot(sum);
+        let cos2_theta_o = length_squared * (F::HALF * F::HALF);
+        match self.as_ggx() {
+            Some(ggx) => ggx.reflect_off(wo, wi, sum, length_squared, cos2_theta_o),
+            None => self.reflect_off_any(wo, wi, sum, length_squared, cos2_theta_o),
+        }
+    }
+
+    /// The density of [`Self::reflection`] alone, and the squared cosine between `wo` and h.
+    #[inline]
+    pub fn reflection_pdf(&self, wo: F::Vec3, wi: F::Vec3) -> (F, F) {
+        let sum = wo + wi;
+        let length_squared = sum.dot(sum);
+        let cos2_theta_o = length_squared * (F::HALF * F::HALF);
+        if self.shadowing == Shadowing::VCavity {
+            let facet = self.reflect_off_any(wo, wi, sum, length_squared, cos2_theta_o);
+            return (facet.pdf, cos2_theta_o);
+        }
+        let quarter_d = self.density(sum, length_squared) * (F::HALF * F::HALF);
+        (quarter_d / self.projected_area(wo), cos2_theta_o)
+    }
+
+    /// The same distribution with its kind known to the compiler, if it is GGX with height-correlated masking: the
+    /// path that scenes take most then has no branches but its own.
+    #[inline(always)]
+    fn as_ggx(&self) -> Option<Self> {
+        let is_ggx = self.shape == Shape::Ggx && self.shadowing == Shadowing::SmithCorrelated;
+        is_ggx.then_some(Self { shape: Shape::Ggx, shadowing: Shadowing::SmithCorrelated, ..*self })
+    }
+
+    /// Reflects `wo` about a normal from [`Self::sample_visible`]; `None` where that leads into the surface.
+    #[inline(always)]
+    pub fn sample_reflection(&self, wo: F::Vec3, uc: F, u: [F; 2]) -> Option<(F::Vec3, FacetScattering<F>)> {
+        match self.as_ggx() {
+            Some(ggx) => ggx.sample_reflection_inline(wo, uc, u),
+            None => self.sample_reflection_any(wo, uc, u),
+        }
+    }
+
+    #[inline(never)]
+    fn sample_reflection_any(&self, wo: F::Vec3, uc: F, u: [F; 2]) -> Option<(F::Vec3, FacetScattering<F>)> {
+        self.sample_reflection_inline(wo, uc, u)
+    }
+
+    #[inline(never)]
+    fn reflect_off_any(
+        &self,
+        wo: F::Vec3,
+        wi: F::Vec3,
+        facet: F::Vec3,
+        length_squared: F,
+        cos2_theta_o: F,
+    ) -> FacetScattering<F> {
+        self.reflect_off(wo, wi, facet, length_squared, cos2_theta_o)
+    }
+
+    #[inline(always)]
+    fn sample_reflection_inline(
+        &self,
+        wo: F::Vec3,
+        uc: F,
+        u: [F; 2],
+    ) -> Option<(F::Vec3, FacetScattering<F>)> {
+        let (facet, _) = self.sample_facet(wo, uc, u)?;
+        let (length_squared, along) = (facet.dot(facet), wo.dot(facet).max(F::ZERO));
+        let scale = along / length_squared;
+        let wi = facet * (F::TWO * scale) - wo;
+        is_above::<F>(wi).then(|| {
+            let cos2_theta_o = along * scale;
+            (wi, self.reflect_off(wo, wi, facet, length_squared, cos2_theta_o))
+        })
     }
 
     /// [`Self::reflection`] about a facet `m` that was sampled.
-    ///
+    #[inline(always)]
+    pub fn reflection_about(&self, wo: F::Vec3, wi: F::Vec3, m: F::Vec3) -> FacetScattering<F> {
+        self.reflect_off(wo, wi, m, F::ONE, wo.dot(m).max(F::ZERO).squared())
+    }
+
     /// Smith, height-correlated: D / (4 (σ_o cos θi + σ_i cos θo − cos θo cos θi)) (Heitz, *JCGT* 3(2), 2014,
     /// equation 99, <https://jcgt.org/published/0003/02/03/>); separable: D / (4 σ_o σ_i). The density is D / (4 σ_o).
-    #[inline]
-    pub fn reflection_about(&self, wo: F::Vec3, wi: F::Vec3, m: F::Vec3) -> FacetScattering<F> {
-        // Opposite directions at grazing incidence: rounding can bring the facet to face away.
-        let cos_theta_o = wo.dot(m).max(F::ZERO);
-        let (visibility, pdf) = match self.shadowing {
-            Shadowing::VCavity => {
-                let (low, high) = (wo.z().min(wi.z()), wo.z().max(wi.z()));
-                let open = F::ONE / (F::FOUR * low * high);
-                let closed = m.z() / (F::TWO * high * cos_theta_o);
-                let pdf = self.folded_pdf(wo, m, cos_theta_o) / F::FOUR;
-                (open.min(closed), pdf)
-            }
-            Shadowing::SmithCorrelated => {
-                let sigma_o = self.projected_area(wo);
-                let denominator = self.correlated_denominator(sigma_o, wo, wi);
-                (F::ONE / (F::FOUR * denominator), F::ONE / (F::FOUR * sigma_o))
-            }
-            Shadowing::SmithSeparable => {
-                let quarter = F::ONE / (F::FOUR * self.projected_area(wo));
-                (quarter / self.projected_area(wi), quarter)
-            }
+    #[inline(always)]
+    fn reflect_off(
+        &self,
+        wo: F::Vec3,
+        wi: F::Vec3,
+        facet: F::Vec3,
+        length_squared: F,
+        cos2_theta_o: F,
+    ) -> FacetScattering<F> {
+        if self.shadowing == Shadowing::VCavity {
+            let m = facet * (F::ONE / length_squared.sqrt());
+            return self.reflect_off_wall(wo, wi, m, cos2_theta_o);
+        }
+        let quarter_d = self.density(facet, length_squared) * (F::HALF * F::HALF);
+        let sigma_o = self.projected_area(wo);
+        let sigma_i = self.projected_area(wi);
+        let denominator = if self.shadowing == Shadowing::SmithCorrelated {
+            // Each term is positive, as σ ≥ cos θ.
+            sigma_i * wo.z() + (sigma_o - wo.z()) * wi.z()
+        } else {
+            sigma_o * sigma_i
         };
-        let d = self.d(m);
-        let pdf = if self.shadowing == Shadowing::VCavity { pdf } else { d * pdf };
-        FacetScattering { value: d * visibility, pdf, cos_theta_o }
+        let inverse = F::ONE / denominator;
+        FacetScattering {
+            value: quarter_d * inverse,
+            pdf: quarter_d / sigma_o,
+            weight: sigma_o * wi.z() * inverse,
+            cos2_theta_o,
+        }
+    }
+
+    /// Reflection by V-cavities.
+    #[inline(never)]
+    fn reflect_off_wall(&self, wo: F::Vec3, wi: F::Vec3, m: F::Vec3, cos2_theta_o: F) -> FacetScattering<F> {
+        let cos_theta_o = cos2_theta_o.sqrt();
+        let (low, high) = (wo.z().min(wi.z()), wo.z().max(wi.z()));
+        let open = F::ONE / (F::FOUR * low * high);
+        let closed = m.z() / (F::TWO * high * cos_theta_o);
+        let value = self.d(m) * open.min(closed);
+        let pdf = self.folded_pdf(wo, m, cos_theta_o) / F::FOUR;
+        FacetScattering { value, pdf, weight: value * wi.z() / pdf, cos2_theta_o }
     }
 
     /// Directional albedo of single scattering at F = 1 for directions of the given cosine, by averaging over visible
@@ -347,69 +456,71 @@ impl<F: Real> Distribution<F> {
             let wo = F::Vec3::from_f64([sin_theta * cos_phi, sin_theta * sin_phi, cos_theta]);
             let weight = |(i, (u, share)): (usize, ([f64; 2], f64))| {
                 let uc = F::from_f64(kronecker(i)[0]);
-                let (wm, _) = self.sample_visible(wo, uc, u.map(F::from_f64))?;
-                let wi = reflect::<F>(wo, wm);
-                let facet = is_above::<F>(wi).then(|| self.reflection_about(wo, wi, wm))?;
-                Some(share * (facet.value * wi.z() / facet.pdf).to_f64())
+                let (_, facet) = self.sample_reflection(wo, uc, u.map(F::from_f64))?;
+                Some(share * facet.weight.to_f64())
             };
             unit_square([12, 6]).enumerate().filter_map(weight).sum::<f64>()
         };
         (0..azimuths).map(at).sum::<f64>() / azimuths as f64
     }
 
-    /// Transmission from `wo` above the surface into `wi` below it, where the index of refraction is `eta` times that
-    /// above, about h = ±(wo + η wi) / |wo + η wi|; `None` where no facet does that.
+    /// Transmission from `wo` above the surface into `wi` below it through a facet that refracts one into the other.
     ///
     /// # Definition
-    /// D(h) G₂ |wo·h| |wi·h| η² / (|cos θo cos θi| (wo·h + η wi·h)²), importance; Walter et al., EGSR 2007,
-    /// equation 21, <https://doi.org/10.2312/EGWR/EGSR07/195-206>. The denominator is |wo + η wi|², because h has
-    /// the direction of wo + η wi.
+    /// D(m) G₂ |wo·m| |wi·m| η² / (|cos θo cos θi| (wo·m + η wi·m)²), importance; Walter et al., EGSR 2007,
+    /// equation 21, <https://doi.org/10.2312/EGWR/EGSR07/195-206>.
     #[inline]
-    pub fn transmission(&self, wo: F::Vec3, wi: F::Vec3, eta: F) -> Option<FacetScattering<F>> {
-        let sum = wo + wi * eta;
-        let length_squared = sum.dot(sum);
-        let h = sum.normalize();
-        let h = if h.z() < F::ZERO { -h } else { h };
-        let (cos_theta_o, cos_theta_t) = (wo.dot(h), -wi.dot(h));
-        if !(cos_theta_o > F::ZERO && cos_theta_t > F::ZERO && h.z() > F::ZERO) {
-            return None;
+    pub fn transmission(&self, wo: F::Vec3, wi: F::Vec3, facet: &RefractingFacet<F>) -> FacetScattering<F> {
+        let pdf = self.transmission_pdf(wo, facet);
+        let cos2_theta_o = facet.cos_theta_o.squared();
+        let g2 = self.g2_transmission(wo, -wi, facet.m);
+        // Both cosines can be so small that their product is nothing; so is G₂ then.
+        if g2 <= F::ZERO {
+            return FacetScattering { value: F::ZERO, pdf, weight: F::ZERO, cos2_theta_o };
         }
-        Some(self.transmission_about(wo, wi, h, cos_theta_o, cos_theta_t, eta * eta / length_squared))
+        let value = self.d(facet.m) * (g2 / wo.z() / -wi.z()) * facet.cos_theta_o * facet.jacobian;
+        FacetScattering { value, pdf, weight: value * -wi.z() / pdf, cos2_theta_o }
     }
 
-    /// [`Self::transmission`] about a facet `m` that was sampled, of which the cosines are known.
+    /// Density \[sr⁻¹\] of refracting `wo` at a visible facet.
     #[inline]
-    pub fn refraction(
-        &self,
-        wo: F::Vec3,
-        wi: F::Vec3,
-        m: F::Vec3,
-        [cos_theta_o, cos_theta_t]: [F; 2],
-        eta: F,
-    ) -> FacetScattering<F> {
+    pub fn transmission_pdf(&self, wo: F::Vec3, facet: &RefractingFacet<F>) -> F {
+        self.visible_pdf(wo, facet.m) * facet.jacobian
+    }
+}
+
+/// A facet that refracts a direction above the surface into one below it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RefractingFacet<F: Real> {
+    /// Its normal, above the surface.
+    pub m: F::Vec3,
+    /// Cosine above it, > 0.
+    pub cos_theta_o: F,
+    /// dωm / dωi = |wi·m| η² / (wo·m + η wi·m)².
+    jacobian: F,
+}
+
+impl<F: Real> RefractingFacet<F> {
+    /// The facet between `wo` above the surface and `wi` below it, where the index of refraction is `eta` times that
+    /// above: m = ±(wo + η wi) / |wo + η wi|. `None` where no facet does that.
+    #[inline]
+    pub fn between(wo: F::Vec3, wi: F::Vec3, eta: F) -> Option<Self> {
+        let sum = wo + wi * eta;
+        let m = sum.normalize();
+        let m = if m.z() < F::ZERO { -m } else { m };
+        let (cos_theta_o, cos_theta_t) = (wo.dot(m), -wi.dot(m));
+        let faces_both = cos_theta_o > F::ZERO && cos_theta_t > F::ZERO && m.z() > F::ZERO;
+        // wo·m + η wi·m is the length of the sum, because m has its direction.
+        let jacobian = cos_theta_t * eta * eta / sum.dot(sum);
+        faces_both.then_some(Self { m, cos_theta_o, jacobian })
+    }
+
+    /// The facet of the sampled normal `m`, with its cosines on both sides.
+    #[inline]
+    pub fn sampled(m: F::Vec3, cos_theta_o: F, cos_theta_t: F, eta: F) -> Self {
         // |wo + η wi| = |cos θo − η cos θt| = |η² − 1| / (cos θo + η cos θt), which does not cancel.
         let inverse_length = (cos_theta_o + eta * cos_theta_t) / ((eta - F::ONE) * (eta + F::ONE));
-        let scale = (eta * inverse_length).squared();
-        self.transmission_about(wo, wi, m, cos_theta_o, cos_theta_t, scale)
-    }
-
-    #[inline]
-    fn transmission_about(
-        &self,
-        wo: F::Vec3,
-        wi: F::Vec3,
-        m: F::Vec3,
-        cos_theta_o: F,
-        cos_theta_t: F,
-        scale: F,
-    ) -> FacetScattering<F> {
-        let jacobian = cos_theta_t * scale;
-        let pdf = self.visible_pdf(wo, m) * jacobian;
-        let g2 = self.g2_transmission(wo, -wi, m);
-        // Both cosines can be so small that their product is nothing; so is G₂ then.
-        let value =
-            if g2 > F::ZERO { self.d(m) * (g2 / wo.z() / -wi.z()) * cos_theta_o * jacobian } else { F::ZERO };
-        FacetScattering { value, pdf, cos_theta_o }
+        Self { m, cos_theta_o, jacobian: cos_theta_t * (eta * inverse_length).squared() }
     }
 }
 

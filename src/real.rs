@@ -190,8 +190,7 @@ macro_rules! implement_real {
             }
             #[inline]
             fn sin_cos_turns(self) -> (Self, Self) {
-                let (sin, cos) = $turns(f64::from(self));
-                (sin as $real, cos as $real)
+                $turns(self)
             }
             #[inline]
             fn atan2(self, x: Self) -> Self {
@@ -263,11 +262,11 @@ macro_rules! implement_real {
 // 2⁻⁶³ and 2⁻⁵¹¹.
 #[rustfmt::skip]
 implement_real!(
-    f32, glam::Vec3, f32::from_bits(64 << 23), sincosf, special::sin_cos_turns_to_f32, atan2f, expf, expm1f, logf,
+    f32, glam::Vec3, f32::from_bits(64 << 23), sincosf, special::sin_cos_turns_f32, atan2f, expf, expm1f, logf,
     log1pf, tgammaf, erff, erfcf
 );
 #[rustfmt::skip]
 implement_real!(
-    f64, glam::DVec3, f64::from_bits(512 << 52), sincos, special::sin_cos_turns, atan2, exp, expm1, log, log1p,
+    f64, glam::DVec3, f64::from_bits(512 << 52), sincos, special::sin_cos_turns_f64, atan2, exp, expm1, log, log1p,
     tgamma, erf, erfc
 );

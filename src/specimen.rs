@@ -255,11 +255,13 @@ pub enum Kind {
     Lobe(LobeKind),
     /// Several lobes as one BxDF.
     Stack,
+    /// Every roughness with every material; not part of the catalogue, which has each of them somewhere.
+    Grid,
 }
 
 impl Kind {
-    /// Every kind there is.
-    pub fn all() -> impl Iterator<Item = Self> {
+    /// The kinds that make the catalogue.
+    pub fn catalogue() -> impl Iterator<Item = Self> {
         LobeKind::ALL.iter().map(|&kind| Self::Lobe(kind)).chain([Self::Stack])
     }
 
@@ -268,6 +270,7 @@ impl Kind {
         match self {
             Self::Lobe(kind) => kind.name(),
             Self::Stack => "stack",
+            Self::Grid => "grid",
         }
     }
 
@@ -276,6 +279,7 @@ impl Kind {
         match self {
             Self::Lobe(kind) => kind.summary(),
             Self::Stack => "several lobes as one BxDF",
+            Self::Grid => "rough conductors and dielectrics, every roughness with every index: the long form",
         }
     }
 
@@ -283,6 +287,7 @@ impl Kind {
         match self {
             Self::Lobe(kind) => cases::of_lobe(kind),
             Self::Stack => stacks::cases(),
+            Self::Grid => cases::grid(),
         }
     }
 }
@@ -292,7 +297,7 @@ impl Kind {
 /// # Errors
 /// Never for the parameters listed here; the constructors' errors are passed on rather than unwrapped.
 pub fn catalogue() -> Result<Vec<Box<dyn bxdf_tests::Specimen>>, CatalogueError> {
-    let kinds: Vec<_> = Kind::all().map(specimens_of).collect::<Result<_, _>>()?;
+    let kinds: Vec<_> = Kind::catalogue().map(specimens_of).collect::<Result<_, _>>()?;
     Ok(kinds.into_iter().flatten().collect())
 }
 
@@ -353,7 +358,7 @@ mod tests {
 
     #[test]
     fn every_kind_has_cases_in_both_precisions() {
-        for kind in Kind::all() {
+        for kind in Kind::catalogue().chain([Kind::Grid]) {
             let single = kind.cases::<f32>().unwrap().len();
             assert!(single > 0, "{} has no cases", kind.name());
             assert_eq!(single, kind.cases::<f64>().unwrap().len());

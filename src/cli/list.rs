@@ -42,7 +42,7 @@ fn groups(keep: impl Fn(Kind) -> bool) -> Result<Vec<Group>, CatalogueError> {
         let specimens = specimens_of(kind)?.iter().map(|specimen| specimen.name()).collect();
         Ok(Group { name: kind.name(), summary: kind.summary(), specimens })
     };
-    Kind::all().filter(|&kind| keep(kind)).map(group).collect()
+    Kind::catalogue().filter(|&kind| keep(kind)).map(group).collect()
 }
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
@@ -77,5 +77,6 @@ fn full(lists: &Lists) -> Result<String, std::fmt::Error> {
             writeln!(text, "  {specimen}")?;
         }
     }
+    writeln!(text, "\n{}: {}", Kind::Grid.name(), Kind::Grid.summary())?;
     Ok(text)
 }

@@ -13,7 +13,7 @@ use super::{Failure, Format, General, Judgement, Run, print};
 
 #[derive(clap::Args)]
 pub(crate) struct Options {
-    /// Lobes, `stack`, specimens, or beginnings of their names; all unless given
+    /// Lobes, `stack`, specimens, or beginnings of their names; the catalogue unless given, `grid` for the long form
     names: Vec<String>,
     /// Only this suite; may be given several times. All unless given
     #[arg(long = "suite", value_name = "NAME", value_parser = suite)]
@@ -57,7 +57,9 @@ fn select(names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure> {
     let mut known: Vec<String> = Vec::new();
     let mut used = vec![false; names.len()];
     let mut selected = Vec::new();
-    for kind in Kind::all() {
+    // The long form only if it is named.
+    let is_long = |name: &String| name.starts_with(Kind::Grid.name());
+    for kind in Kind::catalogue().chain(names.iter().any(is_long).then_some(Kind::Grid)) {
         known.push(kind.name().to_owned());
         for specimen in specimens_of(kind)? {
             let full = specimen.name();

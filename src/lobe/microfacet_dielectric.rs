@@ -2,7 +2,7 @@ use crate::bxdf::{Bxdf, BxdfSample, LobeFlags, Pdf, TransportMode, squeeze};
 use crate::frame::{is_above, reflect};
 use crate::fresnel::{DielectricBoundary, dielectric};
 use crate::lobe::DielectricSpecular;
-use crate::microfacet::{ALPHA_MIN, Distribution};
+use crate::microfacet::{ALPHA_MIN, Distribution, RefractingFacet};
 use crate::parameter::OutOfRange;
 use crate::quadrature::{kronecker, unit_square};
 use crate::real::{Real, Vector};
@@ -102,14 +102,14 @@ impl<F: Real> MicrofacetDielectric<F> {
                 let wi = reflect::<F>(wo, wm);
                 if is_above::<F>(wi) {
                     let facet = self.distribution.reflection_about(wo, wi, wm);
-                    sums.reflected += share * (reflectance * facet.value * wi.z() / facet.pdf).to_f64();
+                    sums.reflected += share * (reflectance * facet.weight).to_f64();
                 }
                 let wi = refract::<F>(wo, wm, cos_theta_o, &boundary, eta);
                 let transmittance = boundary.transmittance.unpolarized();
                 if is_above::<F>(-wi) && transmittance > F::ZERO {
-                    let cosines = [cos_theta_o, boundary.cos_theta_t];
-                    let facet = self.distribution.refraction(wo, wi, wm, cosines, eta);
-                    sums.transmitted += share * (transmittance * facet.value * -wi.z() / facet.pdf).to_f64();
+                    let facet = RefractingFacet::sampled(wm, cos_theta_o, boundary.cos_theta_t, eta);
+                    let facet = self.distribution.transmission(wo, wi, &facet);
+                    sums.transmitted += share * (transmittance * facet.weight).to_f64();
                 }
             }
         }
@@ -157,16 +157,15 @@ impl<F: Real> Bxdf<F> for MicrofacetDielectric<F> {
         let (wo, wi) = (wo * sign, wi * sign);
         if is_above::<F>(wi) {
             let facet = self.distribution.reflection(wo, wi);
-            let reflectance = dielectric(facet.cos_theta_o, eta).reflectance.unpolarized();
+            let reflectance = dielectric(facet.cos_theta_o(), eta).reflectance.unpolarized();
             return self.smooth.tints()[0] * (reflectance * facet.value);
         }
-        let Some(facet) =
-            is_above::<F>(-wi).then(|| self.distribution.transmission(wo, wi, eta)).flatten()
-        else {
+        let Some(facet) = is_above::<F>(-wi).then(|| RefractingFacet::between(wo, wi, eta)).flatten() else {
             return Rgb::BLACK;
         };
         let transmittance = dielectric(facet.cos_theta_o, eta).transmittance.unpolarized();
-        self.smooth.tints()[1] * (transmittance * facet.value * squeeze(eta, mode))
+        let value = self.distribution.transmission(wo, wi, &facet).value;
+        self.smooth.tints()[1] * (transmittance * value * squeeze(eta, mode))
     }
 
     #[inline]
@@ -175,11 +174,13 @@ impl<F: Real> Bxdf<F> for MicrofacetDielectric<F> {
         let (wo, wi) = (wo * sign, wi * sign);
         let share = |cos_theta_o: F| self.smooth.shares(&dielectric(cos_theta_o, eta));
         if is_above::<F>(wi) {
-            let facet = self.distribution.reflection(wo, wi);
-            return facet.pdf * share(facet.cos_theta_o)[0];
+            let (pdf, cos2_theta_o) = self.distribution.reflection_pdf(wo, wi);
+            return pdf * share(cos2_theta_o.sqrt())[0];
         }
-        let facet = is_above::<F>(-wi).then(|| self.distribution.transmission(wo, wi, eta)).flatten();
-        facet.map_or(F::ZERO, |facet| facet.pdf * share(facet.cos_theta_o)[1])
+        let facet = is_above::<F>(-wi).then(|| RefractingFacet::between(wo, wi, eta)).flatten();
+        facet.map_or(F::ZERO, |facet| {
+            self.distribution.transmission_pdf(wo, &facet) * share(facet.cos_theta_o)[1]
+        })
     }
 
     #[inline]
@@ -202,21 +203,21 @@ impl<F: Real> Bxdf<F> for MicrofacetDielectric<F> {
             let reflectance = boundary.reflectance.unpolarized() / reflected;
             return Some(BxdfSample {
                 wi: wi * sign,
-                weight: self.smooth.tints()[0] * (reflectance * facet.value * wi.z() / facet.pdf),
+                weight: self.smooth.tints()[0] * (reflectance * facet.weight),
                 pdf: Pdf::SolidAngle(reflected * facet.pdf),
                 eta: F::ONE,
             });
         }
-        let cos_theta_t = boundary.cos_theta_t;
         let wi = refract::<F>(wo, wm, cos_theta_o, &boundary, eta);
         if !is_above::<F>(-wi) || transmitted <= F::ZERO {
             return None;
         }
-        let facet = self.distribution.refraction(wo, wi, wm, [cos_theta_o, cos_theta_t], eta);
+        let facet = RefractingFacet::sampled(wm, cos_theta_o, boundary.cos_theta_t, eta);
+        let facet = self.distribution.transmission(wo, wi, &facet);
         let transmittance = boundary.transmittance.unpolarized() / transmitted * squeeze(eta, mode);
         Some(BxdfSample {
             wi: wi * sign,
-            weight: self.smooth.tints()[1] * (transmittance * facet.value * -wi.z() / facet.pdf),
+            weight: self.smooth.tints()[1] * (transmittance * facet.weight),
             pdf: Pdf::SolidAngle(transmitted * facet.pdf),
             eta,
         })

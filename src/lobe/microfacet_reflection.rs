@@ -1,27 +1,29 @@
 use crate::bxdf::{Bxdf, BxdfSample, LobeFlags, Pdf, TransportMode};
-use crate::frame::{is_above, reflect};
+use crate::frame::is_above;
 use crate::fresnel::Fresnel;
 use crate::lobe::SpecularReflection;
 use crate::microfacet::Distribution;
-use crate::real::{Real, Vector};
+use crate::real::Real;
 use crate::rgb::Rgb;
 
 /// Single-scattering reflection at a rough surface of ideally specular facets.
 ///
 /// # Definition
-/// f = F(wo·h) D(h) G₂(wo, wi) / (4 cos θo cos θi) \[sr⁻¹\], h = (wo + wi) / |wo + wi|, with height-correlated
-/// Smith masking–shadowing, all over projected areas (see [`crate::microfacet`]). The thesis's equation 14
-/// prints the norm with h·w for n·w, pairs Beckmann's G with both distributions, and multiplies G₁ by G₁.
+/// f = F(wo·h) D(h) G₂(wo, wi) / (4 cos θo cos θi) \[sr⁻¹\], h = (wo + wi) / |wo + wi|, all over projected areas (see
+/// [`crate::microfacet`]). The distribution brings its masking–shadowing: height-correlated Smith, separable Smith (the
+/// thesis's), or V-cavities, with which Beckmann and Gaussian normals make the models of Torrance–Sparrow and
+/// Cook–Torrance. The thesis's equation 13 lacks the factor 4 and divides by h·w for n·w; its equation 14 has h·w too and
+/// pairs Beckmann's G with both distributions.
 ///
 /// # Sampling
 /// Visible normals: the density is D(h) / (4 σ(wo)) and the weight F G₂ / G₁(wo) ≤ 1. A normal that reflects
-/// `wo` into the surface gives no sample.
+/// `wo` into the surface gives no sample. V-cavities: a normal, then the wall of its cavity that is seen.
 ///
 /// # Limits
-/// Energy that leaves after several bounces is lost: a white mirror keeps 0.877 at α = 0.3 and normal incidence. Light
-/// from below the surface is not scattered; a dielectric that is lit from both sides is
-/// another lobe, with transmission. Roughness below
-/// [`crate::microfacet::ALPHA_MIN`] is refused: that is a specular lobe.
+/// Energy that leaves after several bounces is lost: a white mirror keeps 0.877 at α = 0.3 and normal incidence;
+/// [`crate::lobe::KullaContyReflection`] returns it. Light from below the surface is not scattered; a dielectric that is
+/// lit from both sides is [`crate::lobe::MicrofacetDielectric`]. Where the distribution is smooth
+/// ([`crate::microfacet::ALPHA_MIN`]) this is [`SpecularReflection`].
 ///
 /// # Example
 /// ```
@@ -68,7 +70,7 @@ impl<F: Real> Bxdf<F> for MicrofacetReflection<F> {
             return Rgb::BLACK;
         }
         let facet = self.distribution.reflection(wo, wi);
-        self.fresnel.reflectance(facet.cos_theta_o) * facet.value
+        self.fresnel.reflectance_at(|| facet.cos_theta_o()) * facet.value
     }
 
     #[inline]
@@ -76,7 +78,7 @@ impl<F: Real> Bxdf<F> for MicrofacetReflection<F> {
         if self.distribution.is_smooth() || !is_above::<F>(wo) || !is_above::<F>(wi) {
             return F::ZERO;
         }
-        self.distribution.reflection(wo, wi).pdf
+        self.distribution.reflection_pdf(wo, wi).0
     }
 
     #[inline]
@@ -87,15 +89,10 @@ impl<F: Real> Bxdf<F> for MicrofacetReflection<F> {
         if !is_above::<F>(wo) {
             return None;
         }
-        let (wm, _) = self.distribution.sample_visible(wo, uc, u)?;
-        let wi = reflect::<F>(wo, wm);
-        if !is_above::<F>(wi) {
-            return None;
-        }
-        let facet = self.distribution.reflection_about(wo, wi, wm);
+        let (wi, facet) = self.distribution.sample_reflection(wo, uc, u)?;
         Some(BxdfSample {
             wi,
-            weight: self.fresnel.reflectance(facet.cos_theta_o) * (facet.value * wi.z() / facet.pdf),
+            weight: self.fresnel.reflectance_at(|| facet.cos_theta_o()) * facet.weight,
             pdf: Pdf::SolidAngle(facet.pdf),
             eta: F::ONE,
         })

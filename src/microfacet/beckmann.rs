@@ -3,13 +3,13 @@
 
 use crate::real::{Real, Vector};
 
-/// π αx αy D(m), with `stretched` = (m.x/αx)² + (m.y/αy)²: exp(−stretched / m.z²) / m.z⁴.
+/// π αx αy D(m), with `stretched` = (m.x/αx)² + (m.y/αy)² and |m|²: exp(−stretched / m.z²) |m|⁴ / m.z⁴.
 #[inline]
-pub(super) fn density<F: Real>(stretched: F, z: F) -> F {
+pub(super) fn density<F: Real>(stretched: F, z: F, length_squared: F) -> F {
     let z2 = z * z;
     let exponential = (-stretched / z2).exp();
-    // Where it underflows 1/z⁴ may overflow, and 0 · ∞ would be NaN.
-    if exponential > F::ZERO { exponential / (z2 * z2) } else { F::ZERO }
+    // Where it underflows the other factor may overflow, and 0 · ∞ would be NaN.
+    if exponential > F::ZERO { exponential * (length_squared / z2).squared() } else { F::ZERO }
 }
 
 /// σ = ½ [z erfc(−z/s) + s e^{−z²/s²} / √π]; max(z, 0) where s = 0.

@@ -1,18 +1,18 @@
 //! Trowbridge–Reitz ("GGX"): Walter et al., EGSR 2007, <https://doi.org/10.2312/EGWR/EGSR07/195-206>.
 
 use crate::real::{Real, Vector};
-use crate::warp::uniform_cap;
 
-/// π αx αy D(m), with `stretched` = (m.x/αx)² + (m.y/αy)²: 1 / (stretched + m.z²)².
+/// π αx αy D(m), with `stretched` = (m.x/αx)² + (m.y/αy)² and |m|²: (|m|² / (stretched + m.z²))².
 #[inline]
-pub(super) fn density<F: Real>(stretched: F, z: F) -> F {
-    F::ONE / (stretched + z * z).squared()
+pub(super) fn density<F: Real>(stretched: F, z: F, length_squared: F) -> F {
+    (length_squared / (stretched + z * z)).squared()
 }
 
 /// σ = ½ (z + √(z² + s²)); below the horizon the same without cancellation.
 #[inline]
 pub(super) fn projected_area<F: Real>(z: F, s_squared: F) -> F {
-    let root = (z * z + s_squared).sqrt();
+    // In this order it is the length of the stretched direction, which a sampler has computed already.
+    let root = (s_squared + z * z).sqrt();
     if z >= F::ZERO { F::HALF * (z + root) } else { F::HALF * s_squared / (root - z) }
 }
 
@@ -23,14 +23,18 @@ pub(super) fn lambda<F: Real>(z: F, s_squared: F) -> F {
     F::HALF * t / (F::ONE + (F::ONE + t).sqrt())
 }
 
-/// Visible normals of the unit hemisphere (roughness 1) seen from the unit vector `w`, not of unit length:
-/// the sum of `w` and a uniform direction in the cap above −w.z.
+/// Visible normals for roughness 1 seen along `s`, a direction of any length, and themselves of any length: the sum of
+/// ŝ and a uniform direction in the cap above −ŝ.z, times |s|.
 ///
-/// Dupuy & Benyoub, *Computer Graphics Forum* 42(8), 2023, <https://doi.org/10.1111/cgf.14867>.
-#[inline]
-pub(super) fn sample_visible_unit<F: Real>(w: F::Vec3, [u0, u1]: [F; 2]) -> F::Vec3 {
-    let height =
-        if w.z() >= F::ZERO { F::ONE + w.z() } else { (w.x() * w.x() + w.y() * w.y()) / (F::ONE - w.z()) };
-    let m = uniform_cap([u0, u1], height) + w;
-    F::Vec3::new(m.x(), m.y(), m.z().max(F::ZERO))
+/// Dupuy & Benyoub, *Computer Graphics Forum* 42(8), 2023, <https://doi.org/10.1111/cgf.14867>. Scaled so that nothing
+/// is divided: |s| + s.z is twice the projected area, and the sum's height is (1 − u₀) of it.
+#[inline(always)]
+pub(super) fn sample_visible_unit<F: Real>(s: F::Vec3, [u0, u1]: [F; 2]) -> F::Vec3 {
+    let horizontal = s.x() * s.x() + s.y() * s.y();
+    let length = (horizontal + s.z() * s.z()).sqrt();
+    let height = if s.z() >= F::ZERO { length + s.z() } else { horizontal / (length - s.z()) };
+    let below = u0 * height;
+    let radius = (below * (length + length - below)).sqrt();
+    let (sin_phi, cos_phi) = u1.sin_cos_turns();
+    F::Vec3::new(radius * cos_phi + s.x(), radius * sin_phi + s.y(), (F::ONE - u0) * height)
 }

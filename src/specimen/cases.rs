@@ -266,7 +266,7 @@ fn rough_dielectrics<F: Real>() -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> 
     push("rough_dielectric/beckmann_v_cavity_0.3_eta_1.5".to_owned(), cavities, 1.5)?;
     push("rough_dielectric/gaussian_0.3_eta_1.5".to_owned(), isotropic(Shape::Gaussian, 0.3)?, 1.5)?;
     // The refracted lobe is too narrow to be resolved.
-    push("smooth_limit/glass_1_eta_1.0001".to_owned(), isotropic(Shape::Ggx, 1.0)?, 1.0001)?;
+    push("smooth_limit/glass_0.9_eta_1.0001".to_owned(), isotropic(Shape::Ggx, 0.9)?, 1.0001)?;
     push("smooth_limit/glass_9e-5_eta_1.5".to_owned(), isotropic(Shape::Beckmann, 9e-5)?, 1.5)?;
     let tints = [[0.9, 0.5, 0.0], [0.2, 0.8, 1.0]].map(|tint| Rgb(tint.map(F::from_f64)));
     let coloured = MicrofacetDielectric::new(isotropic(Shape::Ggx, 0.2)?, F::from_f64(1.5))?;
@@ -333,5 +333,41 @@ fn coats<F: Real>() -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> {
     let mut cases = bases.into_iter().map(specimen).collect::<Result<Vec<_>, _>>()?;
     let brushed = rough_metal("aluminium/Rakic-1995", anisotropic(Shape::Ggx, [0.5, 0.2])?)?;
     cases.push(specimen(("aluminium_0.5_0.2", coat(1.5, clear, None), brushed))?.anisotropic());
+    Ok(cases)
+}
+
+/// Rough conductors and dielectrics: every roughness with every material, `grid/case`.
+pub(super) fn grid<F: Real>() -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> {
+    let f = F::from_f64;
+    let mut distributions = Vec::new();
+    for (shape, name) in SMITH {
+        for alpha in [1e-4].into_iter().chain(ALPHAS) {
+            distributions.push((format!("{name}_{alpha}"), isotropic(shape, alpha)?));
+        }
+        for [x, y] in [[0.5, 0.2], [0.3, 0.03]] {
+            distributions.push((format!("{name}_{x}_{y}"), anisotropic(shape, [x, y])?));
+        }
+    }
+    let mut conductors = vec![
+        ("lossless".to_owned(), Fresnel::conductor(Rgb::splat(f(0.01)), Rgb::splat(f(5.0)))?),
+        ("clear".to_owned(), Fresnel::conductor(Rgb::splat(f(1.5)), Rgb::BLACK)?),
+    ];
+    for table in METALS {
+        let [eta, k] = metal(table)?;
+        let (name, _) = table.split_once('/').unwrap_or((table, ""));
+        conductors.push((name.to_owned(), Fresnel::conductor(eta, k)?));
+    }
+    let mut cases = Vec::new();
+    for (roughness, distribution) in &distributions {
+        for &(ref name, fresnel) in &conductors {
+            let lobe = MicrofacetReflection::new(*distribution, fresnel);
+            cases.push(BxdfSpecimen::of_lobe(&format!("grid/{name}_{roughness}"), lobe));
+        }
+        let inverses = ETAS.map(|eta| (format!("eta_1_over_{eta}"), 1.0 / eta));
+        for (index, eta) in ETAS.map(|eta| (format!("eta_{eta}"), eta)).into_iter().chain(inverses) {
+            let lobe = MicrofacetDielectric::new(*distribution, f(eta))?;
+            cases.push(BxdfSpecimen::of_lobe(&format!("grid/dielectric_{roughness}_{index}"), lobe));
+        }
+    }
     Ok(cases)
 }

@@ -4,7 +4,7 @@ use super::{Examination, PValue};
 use crate::claims::Energy;
 use crate::specimen::Transport;
 use crate::statistics::{bernstein_reach, ln_bernstein_two_sided};
-use crate::survey::Albedo;
+use crate::survey::{Albedo, slack};
 use crate::verdict::{Check, Ledger, Witness};
 
 /// A difference of the two estimates that must not go unnoticed, as a fraction of the albedo. Weights without bound
@@ -17,8 +17,7 @@ const WORST_ERROR: f64 = 0.01;
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     let claims = &examination.claims;
     let level = examination.plan.ln_level();
-    // Sums of rounded terms; the error of the cubature comes on top.
-    let rounding = 64.0 * claims.precision.epsilon();
+    let slack = slack(claims.precision);
     let mut largest_albedo: f64 = 0.0;
     for surveyed in examination.surveys() {
         let setting = &surveyed.setting;
@@ -33,7 +32,7 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
             let lit = claims.two_sided || setting.wo[2] > 0.0;
             let Albedo { value, error } = surveyed.survey.albedo();
             for (albedo, error) in value.into_iter().zip(error) {
-                let (error, witness) = (error + rounding, setting.witness());
+                let (error, witness) = (error + slack, setting.witness());
                 let mut above =
                     Check::new("directional albedo above its limit", albedo - most, error, witness);
                 above.inconclusive =
@@ -52,7 +51,7 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
             // The largest weight found by either way: more can only make the bound wider.
             let range = survey.largest_weight.max(tally.largest_weight);
             let p_value = |channel: usize| {
-                let (albedo, error) = (surveyed.value[channel], surveyed.error[channel] + rounding);
+                let (albedo, error) = (surveyed.value[channel], surveyed.error[channel] + slack);
                 let mean = tally.weight[channel] / samples;
                 let difference = ((mean - albedo).abs() - error).max(0.0);
                 let second_moment = survey.integral.value[4 + channel]
