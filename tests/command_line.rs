@@ -39,7 +39,7 @@ fn unknown_names_are_answered_with_near_ones() {
         message.contains("no lobe or specimen is named `rough_condutor`; did you mean rough_conductor"),
         "{message}"
     );
-    assert!(message.contains("known: lambertian, conductor_specular, smooth_conductor"), "{message}");
+    assert!(message.contains("known: lambertian, specular_reflection, smooth_conductor"), "{message}");
     let message = refused(&["ior", "show", "gold/Jonson-1972"]);
     assert!(message.contains("did you mean gold/Johnson-1972"), "{message}");
     let message = refused(&["ior", "compare", "unobtainium"]);
@@ -142,6 +142,6 @@ fn lists_are_for_people_and_for_programs() {
     assert!(accepted(&["ior", "show", "copper/Johnson-1972"]).contains("10.1103/PhysRevB.6.4370"));
     assert!(accepted(&["ior", "compare", "copper"]).contains("spread"));
     assert!(accepted(&[]).contains("gonio report"));
-    let by_lobe = accepted(&["verify", "-q", "conductor_specular", "--samples", "1000"]);
+    let by_lobe = accepted(&["verify", "-q", "specular_reflection", "--samples", "1000"]);
     assert!(by_lobe.contains("smooth_conductor/gold/f64") && !by_lobe.contains("rough"), "{by_lobe}");
 }

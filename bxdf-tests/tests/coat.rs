@@ -23,6 +23,7 @@ fn total(coat: Coat<f64>, base: Arc<dyn Bxdf<f64>>, polar_deg: f64) -> [f64; 3] 
     std::array::from_fn(|i| gloss[i] + layer[i])
 }
 
+/// Printed for a coat of red varnish: the thesis's Figure 11.
 #[test]
 fn val_coloured_coat_over_a_diffuse_base() {
     for (thickness, polar_deg, red, blue) in [
@@ -38,48 +39,20 @@ fn val_coloured_coat_over_a_diffuse_base() {
         let coat = Coat { eta: 1.5, thickness, sigma_a: Rgb([0.25, 1.0, 1.0]), roughness: None };
         let base = Arc::new(Lambertian::new(Rgb::splat(0.5)).unwrap());
         let albedo = total(coat, base, polar_deg);
-        println!("{thickness} {polar_deg} {albedo:?}");
         assert!((albedo[0] - red).abs() < 1e-5, "{thickness} {polar_deg}: {albedo:?}");
         assert!((albedo[2] - blue).abs() < 1e-5, "{thickness} {polar_deg}: {albedo:?}");
     }
 }
 
+/// Printed for aluminium at 532 nm below 1.8 units of the same varnish: the thesis's Figure 10(a).
 #[test]
-fn probe_kulla_conty() {
-    use gonio::lobe::{KullaContyReflection, MicrofacetReflection};
-    use gonio::microfacet::{Distribution, Shape};
-    for shape in [Shape::Ggx, Shape::Beckmann] {
-        for alpha in [0.1, 0.3, 0.5, 1.0] {
-            let d = Distribution::new(shape, alpha, alpha).unwrap();
-            let white = Fresnel::constant(Rgb::WHITE).unwrap();
-            for polar in [0.0_f64, 30.0, 60.0, 75.0, 85.0, 89.0, 89.9] {
-                let (sin, cos) = polar.to_radians().sin_cos();
-                let e = |b: Arc<dyn Bxdf<f64>>| {
-                    directional_albedo(
-                        &BxdfSpecimen::new("x", b, Claims::reflector(Precision::F64)),
-                        [sin, 0.0, cos],
-                        Transport::Radiance,
-                    )
-                    .value[0]
-                };
-                let (a, b) = (
-                    e(Arc::new(MicrofacetReflection::new(d, white))),
-                    e(Arc::new(KullaContyReflection::new(d, white))),
-                );
-                println!("{shape:?} {alpha} {polar}: {a:.5} {b:.5} {:+.1e}", a + b - 1.0);
-            }
-        }
-    }
-}
-#[test]
-fn probe_kc_glass() {
-    use gonio::lobe::{KullaContyDielectric, MicrofacetDielectric};
-    use gonio::microfacet::{Distribution, Shape};
-    for shape in [Shape::Ggx, Shape::Beckmann] {
-        for alpha in [0.1, 0.3, 0.5, 1.0] {
-            let d = Distribution::new(shape, alpha, alpha).unwrap();
-            let glass = MicrofacetDielectric::new(d, 1.5).unwrap();
-            println!("Glass {shape:?} {alpha} {:?}", KullaContyDielectric::new(&glass).crossing());
-        }
+fn val_coloured_coat_over_smooth_metal() {
+    let aluminium = Fresnel::conductor(Rgb::splat(0.939), Rgb::splat(6.420)).unwrap();
+    for (polar_deg, red, blue) in [(0.0, 0.37473, 0.06219), (60.0, 0.33783, 0.09807)] {
+        let coat = Coat { eta: 1.5, thickness: 1.8, sigma_a: Rgb([0.25, 1.0, 1.0]), roughness: None };
+        let base = Arc::new(SpecularReflection::new(aluminium.immersed(coat.eta).unwrap()));
+        let albedo = total(coat, base, polar_deg);
+        assert!((albedo[0] - red).abs() < 1e-5, "{polar_deg}: {albedo:?}");
+        assert!((albedo[2] - blue).abs() < 1e-5, "{polar_deg}: {albedo:?}");
     }
 }

@@ -467,18 +467,18 @@ def distribution_rows():
 # rough_mirror.csv: directional albedo at normal incidence
 # --------------------------------------------------------------------------------------------------
 
-HEADER_MIRROR = "alpha,ggx,beckmann"
+HEADER_MIRROR = "alpha,ggx,beckmann,ggx_v_cavity,beckmann_v_cavity"
 
 MIRROR_ALPHAS = (0.05, 0.10, 0.15, 0.20, 0.30, 0.40, 0.50, 0.60, 0.70, 0.80, 0.90, 1.00)
 
 
-def mirror_albedo(area, slope_density, alpha):
+def mirror_albedo(masking, slope_density, alpha):
     """E(0) = integral over t = tan(theta_m)^2 from 0 to 1 of p(t) G1(2 theta_m).
 
     Light along the normal is reflected at twice the tilt theta_m of the facet, above the horizon for
-    theta_m < 45 degrees, that is t < 1.  Seen from the normal nothing is masked, so that the
-    height-correlated G2 is G1 = cos / sigma of the reflected direction, with
-    cos(2 theta_m) = (1 - t) / (1 + t) and sin(2 theta_m) = 2 sqrt(t) / (1 + t).
+    theta_m < 45 degrees, that is t < 1.  Seen from the normal nothing is masked, so that G2, be it
+    height-correlated or that of V-cavities, is G1 of the reflected direction, masking(alpha, sine,
+    cosine) of cos(2 theta_m) = (1 - t) / (1 + t) and sin(2 theta_m) = 2 sqrt(t) / (1 + t).
     With u = t / alpha^2 the density p(t) dt is slope_density(u) du.
     """
     alpha = mpf(alpha)
@@ -489,36 +489,49 @@ def mirror_albedo(area, slope_density, alpha):
         if cosine <= 0:
             return mpf(0)
         sine = 2 * mp.sqrt(t) / (1 + t)
-        return slope_density(u) * cosine / area(alpha, alpha, sine, mpf(0), cosine)
+        return slope_density(u) * masking(alpha, sine, cosine)
 
     end = 1 / alpha**2
-    splits = [mpf(0)]
-    while splits[-1] < end / 4:
-        splits.append(max(2 * splits[-1], mpf(0.25)))
-    if splits[-1] < 3 * end / 4:
-        splits.append(3 * end / 4)
-    value, error = mp.quad(integrand, splits + [end], error=True)
+    # V-cavities hide part of a facet from t = 1/3 on, that is cos(2 theta_m) = 1/2.
+    splits = [mpf(0), end / 3, end]
+    split = mpf(0.25)
+    while split < 3 * end / 4:
+        splits.append(split)
+        split *= 2
+    value, error = mp.quad(integrand, sorted(splits), error=True)
     assert error < mpf(10) ** -40, (alpha, error)
     return value
 
 
-def mirror_ggx(alpha):
-    return mirror_albedo(ggx_area, lambda u: 1 / (1 + u) ** 2, alpha)
+def smith(area):
+    return lambda alpha, sine, cosine: cosine / area(alpha, alpha, sine, mpf(0), cosine)
 
 
-def mirror_beckmann(alpha):
-    return mirror_albedo(beckmann_area, lambda u: mp.exp(-u), alpha)
+def v_cavity(alpha, sine, cosine):
+    """min(1, 2 cos(theta_m) cos(theta) / (w.m)); w reflects the normal, so that w.m = cos(theta_m)."""
+    return min(mpf(1), 2 * cosine)
+
+
+def mirror_ggx(alpha, masking=smith(ggx_area)):
+    return mirror_albedo(masking, lambda u: 1 / (1 + u) ** 2, alpha)
+
+
+def mirror_beckmann(alpha, masking=smith(beckmann_area)):
+    return mirror_albedo(masking, lambda u: mp.exp(-u), alpha)
 
 
 def mirror_rows():
     rows = []
     for alpha in MIRROR_ALPHAS:
         ggx, beckmann = mirror_ggx(alpha), mirror_beckmann(alpha)
-        assert 0 < ggx < beckmann <= 1
-        rows.append(f"{inp(alpha)},{out(ggx)},{out(beckmann)}")
+        values = [ggx, beckmann] + [f(alpha, v_cavity) for f in (mirror_ggx, mirror_beckmann)]
+        assert 0 < ggx < beckmann <= 1 and 0 < values[2] < values[3] <= 1
+        rows.append(",".join([inp(alpha)] + [out(v) for v in values]))
 
-    # Second route: for GGX with alpha = 1 the integrand is (1 - t) / (1 + t)^2.
+    # Second route: for GGX with alpha = 1 the integrand is (1 - t) / (1 + t)^2; with V-cavities it is
+    # 1 / (1 + t)^2 up to 1/3 and 2 (1 - t) / (1 + t)^3 from there.
     assert close(mirror_ggx(1.0), 1 - mp.log(2), 40)
+    assert close(mirror_ggx(1.0, v_cavity), mpf(3) / 8, 40)
     return rows
 
 

@@ -91,7 +91,7 @@ impl<F: Real> MicrofacetDielectric<F> {
             let turn = core::f64::consts::TAU * f64::from(azimuth) / f64::from(azimuths);
             let (sin_phi, cos_phi) = libm::sincos(turn);
             let wo = F::Vec3::from_f64([sin_theta * cos_phi, sin_theta * sin_phi, cos_theta]);
-            for (i, (u, share)) in unit_square([6, 4]).enumerate() {
+            for (i, (u, share)) in unit_square([12, 8]).enumerate() {
                 let uc = F::from_f64(kronecker(i)[0]);
                 let Some((wm, _)) = self.distribution.sample_visible(wo, uc, u.map(F::from_f64)) else { continue };
                 let share = share / f64::from(azimuths);

@@ -112,21 +112,26 @@ impl<F: Real> RefractiveLayer<F> {
             optical_depth,
             base,
             rough_transmittance: rough.as_ref().map(|interface| {
-                Table::new(|mu| [F::from_f64(1.0 - normalized_reflectance(interface, mu, 1.0))])
+                Table::new(|mu| {
+                    let SingleScattering { reflected, transmitted, .. } = interface.single_scattering(mu, 1.0);
+                    [F::from_f64(transmitted / (reflected + transmitted))]
+                })
             }),
             moments: Table::new(|_| [F::ZERO; 7]),
             escape: Rgb::BLACK,
             inverse_mean: Rgb::BLACK,
         };
         if !layer.is_delta() {
-            layer.integrate(rough.as_ref());
+            layer.integrate();
         }
         Ok(layer)
     }
 
     /// Fills the tables.
-    fn integrate(&mut self, rough: Option<&MicrofacetDielectric<F>>) {
+    fn integrate(&mut self) {
         let eta = self.eta.to_f64();
+        let rough = self.rough_transmittance.as_ref();
+        let rough = rough.map(|table| Table::new(|mu| table.at(F::from_f64(mu)).map(F::to_f64)));
         let inside = Inside::new(eta, self.optical_depth.to_f64(), rough);
         let base = Arc::clone(&self.base);
         self.moments = Table::new(|mu| {
@@ -278,12 +283,6 @@ impl<F: Real> Bxdf<F> for RefractiveLayer<F> {
     }
 }
 
-/// R / (R + T) of a rough interface in direction `cosine`, from above (`side` = 1) or below (−1).
-fn normalized_reflectance<F: Real>(interface: &MicrofacetDielectric<F>, cosine: f64, side: f64) -> f64 {
-    let SingleScattering { reflected, transmitted, .. } = interface.single_scattering(cosine, side);
-    reflected / (reflected + transmitted)
-}
-
 /// What the interface returns of the base's reflection and what of it escapes, per channel.
 #[derive(Default)]
 struct Moments {
@@ -297,7 +296,7 @@ struct Moments {
 struct Inside {
     eta: f64,
     tau: [f64; 3],
-    /// R / (R + T) of a rough interface over the cosine.
+    /// T of a rough interface over cos θ outside.
     rough: Option<Table<f64, 1>>,
     nodes: Vec<Node>,
     /// Few nodes, for slowly varying averages over the flux that was returned.
@@ -327,8 +326,7 @@ const RING: usize = 12;
 const SAMPLES: usize = 256;
 
 impl Inside {
-    fn new<F: Real>(eta: f64, tau: [f64; 3], rough: Option<&MicrofacetDielectric<F>>) -> Self {
-        let rough = rough.map(|rough| Table::new(|mu| [normalized_reflectance(rough, mu, -1.0)]));
+    fn new(eta: f64, tau: [f64; 3], rough: Option<Table<f64, 1>>) -> Self {
         let mut inside = Self { eta, tau, rough, nodes: Vec::new(), coarse: Vec::new() };
         // e^{−τ/μ} varies at every scale near 0: panels that shrink towards it.
         let graded = [0.0, 1.0 / 64.0, 1.0 / 32.0, 1.0 / 16.0, 0.125, 0.25, 0.5, 1.0];
@@ -352,12 +350,14 @@ impl Inside {
     }
 
     fn node(&self, cosine: f64, weight: f64) -> Node {
+        let boundary = dielectric(cosine, 1.0 / self.eta);
         let (reflectance, transmittance) = match &self.rough {
-            None => {
-                let boundary = dielectric(cosine, 1.0 / self.eta);
-                (boundary.reflectance.unpolarized(), boundary.transmittance.unpolarized())
+            // The same T from either side, as `eval` has it; nothing beyond the critical angle.
+            Some(table) if boundary.cos_theta_t > 0.0 => {
+                let transmittance = table.at(boundary.cos_theta_t)[0];
+                (1.0 - transmittance, transmittance)
             }
-            Some(table) => (table.at(cosine)[0], 1.0 - table.at(cosine)[0]),
+            _ => (boundary.reflectance.unpolarized(), boundary.transmittance.unpolarized()),
         };
         let returned = self.tau.map(|tau| reflectance * libm::exp(-2.0 * tau / cosine));
         let escaped = self.tau.map(|tau| transmittance * libm::exp(-tau / cosine));

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 const GOLD_532: [f64; 2] = [0.54386, 2.23087];
 
 /// The distribution of ours that a surface of the walks stands for.
-fn distribution(surface: &Surface) -> Distribution<f64> {
+pub(crate) fn distribution(surface: &Surface) -> Distribution<f64> {
     let shape = match surface.shape {
         Shape::Ggx => microfacet::Shape::Ggx,
         Shape::Beckmann => microfacet::Shape::Beckmann,
@@ -27,7 +27,7 @@ fn distribution(surface: &Surface) -> Distribution<f64> {
 }
 
 /// Our Fresnel term for a boundary of the walks.
-fn fresnel_term(boundary: Boundary) -> Fresnel<f64> {
+pub(crate) fn fresnel_term(boundary: Boundary) -> Fresnel<f64> {
     match boundary {
         Boundary::Mirror => Fresnel::constant(Rgb::WHITE),
         Boundary::Conductor { eta, k } => Fresnel::conductor(Rgb::splat(eta), Rgb::splat(k)),

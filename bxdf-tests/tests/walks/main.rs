@@ -3,12 +3,14 @@
 //!
 //! The walks are written in `f64` and share no code with the lobes they judge: they have their own
 //! distributions, visible normals, Fresnel terms and closed forms. `walk_facts` holds them to facts known from elsewhere,
-//! `lobes` holds our lobes to them.
+//! `lobes`, `coats` and `higher_orders` hold our lobes to them.
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "assertions for tests")]
 
 mod closed_form;
+mod coats;
 mod fresnel;
+mod higher_orders;
 mod layered;
 mod lobes;
 mod smith;

@@ -12,7 +12,7 @@ use crate::surface::{Shape, Surface, visible_moments};
 use crate::vector::{Vector, cosine_hemisphere, direction, scale};
 use rayon::prelude::*;
 
-const SHAPES: [Shape; 2] = [Shape::Ggx, Shape::Beckmann];
+pub(crate) const SHAPES: [Shape; 2] = [Shape::Ggx, Shape::Beckmann];
 const GLASS: Boundary = Boundary::Dielectric { eta: 1.5 };
 const ALUMINIUM_532: [f64; 2] = [0.93878, 6.41954];
 
@@ -22,7 +22,7 @@ fn printed(digits: i32) -> f64 {
 }
 
 /// Every combination of the elements.
-fn product<A: Copy, B: Copy>(a: &[A], b: &[B]) -> Vec<(A, B)> {
+pub(crate) fn product<A: Copy, B: Copy>(a: &[A], b: &[B]) -> Vec<(A, B)> {
     a.iter().flat_map(|&a| b.iter().map(move |&b| (a, b))).collect()
 }
 
