@@ -61,7 +61,8 @@ pub struct DielectricBoundary<F> {
 pub fn dielectric<F: Real>(cos_theta_i: F, eta: F) -> DielectricBoundary<F> {
     let c = cos_theta_i;
     let a = (eta - F::ONE) * (eta + F::ONE);
-    let g_squared = a + c * c;
+    let sin2 = (F::ONE - c) * (F::ONE + c);
+    let g_squared = squared_normal_component(c, sin2, eta);
     if g_squared <= F::ZERO {
         let (all, none) = (Polarized { s: F::ONE, p: F::ONE }, Polarized { s: F::ZERO, p: F::ZERO });
         // Index-matched media at exact grazing: nothing is reflected at any angle, so neither here.
@@ -69,7 +70,6 @@ pub fn dielectric<F: Real>(cos_theta_i: F, eta: F) -> DielectricBoundary<F> {
         return DielectricBoundary { reflectance, transmittance, cos_theta_t: F::ZERO };
     }
     let g = g_squared.sqrt();
-    let sin2 = (F::ONE - c) * (F::ONE + c);
     let eta_squared = eta * eta;
     let r_s = -a / (c + g).squared();
     let r_p = r_s * ((c * g - sin2) / (c * g + sin2));
@@ -107,9 +107,7 @@ pub struct ConductorBoundary<F> {
 pub fn conductor<F: Real>(cos_theta_i: F, eta: F, k: F) -> ConductorBoundary<F> {
     let c = cos_theta_i;
     let s2 = (F::ONE - c) * (F::ONE + c);
-    // Re(N² − s²), in the form that does not cancel: η² − s² does near η = 1, η² − 1 + c² does near η = 0.
-    let real =
-        if eta < F::HALF { eta * eta - s2 - k * k } else { (eta - F::ONE) * (eta + F::ONE) + c * c - k * k };
+    let real = squared_normal_component(c, s2, eta) - k * k;
     let imaginary = F::TWO * eta * k;
     let modulus = hypotenuse(real.abs(), imaginary);
     let (a, b) = if modulus <= F::ZERO {
@@ -140,6 +138,12 @@ pub fn conductor<F: Real>(cos_theta_i: F, eta: F, k: F) -> ConductorBoundary<F> 
         reflectance: Polarized { s: r_s, p: r_s * p_ratio },
         absorptance: Polarized { s: a_s, p: a_s + r_s * p_rest },
     }
+}
+
+/// η² − sin²θ = η² − 1 + cos²θ, in the form that does not cancel: the first does near η = 1, the second near η = 0.
+#[inline]
+fn squared_normal_component<F: Real>(c: F, sin2: F, eta: F) -> F {
+    if eta < F::HALF { eta * eta - sin2 } else { (eta - F::ONE) * (eta + F::ONE) + c * c }
 }
 
 /// √(x² + y²) of numbers that are not negative, also where their squares underflow.

@@ -47,9 +47,10 @@ pub trait Real:
     const PI: Self;
     /// Distance from 1 to the next larger number.
     const EPSILON: Self;
-    /// √ of the smallest normal number: a direction whose cosine is not larger lies in the tangent plane.
+    /// A direction whose cosine is not larger lies in the tangent plane.
     ///
-    /// Closer to it a BxDF divided by its cosines, and the square of wo + wi, leave the range of the type.
+    /// Closer to it a BxDF leaves the range of the type: V-cavities reflect straight back with D / (4 cos²θ), and D comes
+    /// to 3e7 at the least roughness.
     const TANGENT: Self;
     /// `"f32"` or `"f64"`.
     const NAME: &'static str;
@@ -259,14 +260,14 @@ macro_rules! implement_real {
     };
 }
 
-// 2⁻⁶³ and 2⁻⁵¹¹.
+// 2⁻⁵² and 2⁻⁵⁰⁰.
 #[rustfmt::skip]
 implement_real!(
-    f32, glam::Vec3, f32::from_bits(64 << 23), sincosf, special::sin_cos_turns_f32, atan2f, expf, expm1f, logf,
+    f32, glam::Vec3, f32::from_bits((127 - 52) << 23), sincosf, special::sin_cos_turns_f32, atan2f, expf, expm1f, logf,
     log1pf, tgammaf, erff, erfcf
 );
 #[rustfmt::skip]
 implement_real!(
-    f64, glam::DVec3, f64::from_bits(512 << 52), sincos, special::sin_cos_turns_f64, atan2, exp, expm1, log, log1p,
+    f64, glam::DVec3, f64::from_bits((1023 - 500) << 52), sincos, special::sin_cos_turns_f64, atan2, exp, expm1, log, log1p,
     tgamma, erf, erfc
 );

@@ -19,15 +19,29 @@ pub(crate) struct Look {
     pilots: usize,
     /// Counted samples over those of the plan.
     samples: usize,
+    /// What the cubature of one cell may be wrong by, in double precision.
+    cell_error: f64,
 }
 
 impl Look {
+    /// All cells together are wrong by some 1e-5 at most, a hundredth of what the samples can see. Smooth lobes come out
+    /// far better; edges such as that of total internal reflection would cost five times as much for two more digits.
+    const CELL_ERROR: f64 = 1e-7;
+
     /// Enough for lobes of one width.
-    pub(crate) const FIRST: Self = Self { name: "stage 1", pilots: 1 << 14, samples: 1 };
+    pub(crate) const FIRST: Self =
+        Self { name: "stage 1", pilots: 1 << 14, samples: 1, cell_error: Self::CELL_ERROR };
+    /// For numbers that are printed and compared.
+    const ALBEDO: Self = Self { name: "albedo", cell_error: 1e-9, ..Self::FIRST };
     /// Decides what the first leaves doubtful, on independent samples. It has as many pilot samples as counted ones:
     /// mass that the cubature could overlook is then too little to be noticed.
     pub(crate) fn second(plan: &Plan) -> Self {
-        Self { name: "stage 2", pilots: (4 * plan.samples).max(1 << 16), samples: 4 }
+        Self {
+            name: "stage 2",
+            pilots: (4 * plan.samples).max(1 << 16),
+            samples: 4,
+            cell_error: Self::CELL_ERROR,
+        }
     }
 
     /// Pilot samples per cell: some 256 cells, whatever the number of pilot samples.
@@ -136,7 +150,7 @@ pub struct Albedo {
 pub fn directional_albedo(specimen: &dyn Specimen, wo: Direction, transport: Transport) -> Albedo {
     let plan = Plan::new(0, [specimen]);
     let setting = Setting { wo, transport, is_counted: false };
-    Survey::new(specimen, &specimen.claims(), &plan, &setting, Look::FIRST).albedo()
+    Survey::new(specimen, &specimen.claims(), &plan, &setting, Look::ALBEDO).albedo()
 }
 
 impl Survey {
@@ -179,18 +193,15 @@ impl Survey {
             cell_mass: Vec::new(),
             integral: Integral::ZERO,
         };
-        survey.integrate(specimen, setting, precision);
+        survey.integrate(specimen, setting, precision, look);
         survey
     }
 
-    fn integrate(&mut self, specimen: &dyn Specimen, setting: &Setting, precision: Precision) {
-        // In single precision the integrand itself is noise of this size, which refinement does not mend. In double
-        // precision all cells together are then wrong by some 1e-5 at most, a hundredth of what the samples can see;
-        // smooth lobes come out far better, edges such as that of total internal reflection would cost five times as much
-        // for another two digits.
+    fn integrate(&mut self, specimen: &dyn Specimen, setting: &Setting, precision: Precision, look: Look) {
         let (absolute, rectangles) = match precision {
+            // The integrand itself is noise of this size, which refinement does not mend.
             Precision::F32 => (1e-6, 32),
-            Precision::F64 => (1e-7, 200),
+            Precision::F64 => (look.cell_error, 200),
         };
         let effort = Effort { absolute, leading: 4, rectangles };
         let mut directions = vec![[0.0; 3]; NODES * NODES];

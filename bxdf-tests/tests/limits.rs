@@ -236,20 +236,20 @@ fn hold<F: Real>(specimens: &[BxdfSpecimen<F>], suites: &[Suite]) {
 }
 
 fn one_smooth_axis_counts_as_the_least_roughness<F: Real>() {
+    let least = distributions::<F>([ALPHA_MIN, 0.3]);
+    assert_eq!(distributions::<F>([0.0, 0.3]), least);
+    assert_eq!(distributions::<F>([1e-6, 0.3]), least);
+    assert_eq!(distributions::<F>([0.3, 0.0]), distributions([0.3, ALPHA_MIN]));
     let mut specimens = Vec::new();
-    for (alpha, least) in
-        [([0.0, 0.3], [ALPHA_MIN, 0.3]), ([1e-6, 0.3], [ALPHA_MIN, 0.3]), ([0.3, 0.0], [0.3, ALPHA_MIN])]
-    {
-        let surfaces = distributions::<F>(alpha);
-        assert_eq!(surfaces, distributions(least));
-        for (i, distribution) in surfaces.into_iter().enumerate() {
-            let reflector = MicrofacetReflection::new(distribution, gold());
-            let glass = MicrofacetDielectric::new(distribution, F::from_f64(1.5)).unwrap();
-            specimens.push(BxdfSpecimen::of_lobe(&format!("brushed_gold/{i}_{alpha:?}"), reflector));
-            specimens.push(BxdfSpecimen::of_lobe(&format!("brushed_glass/{i}_{alpha:?}"), glass));
-        }
+    for (i, distribution) in least.into_iter().enumerate() {
+        let reflector = MicrofacetReflection::new(distribution, gold());
+        let glass = MicrofacetDielectric::new(distribution, F::from_f64(1.5)).unwrap();
+        specimens.push(BxdfSpecimen::of_lobe(&format!("brushed_gold/{i}"), reflector));
+        specimens.push(BxdfSpecimen::of_lobe(&format!("brushed_glass/{i}"), glass));
     }
-    hold(&specimens, &[Suite::Finite, Suite::Weight, Suite::Reciprocal]);
+    // Suite `finite` looks at every piece of a cubature, and a line on the sphere has many.
+    assert!(specimens.iter().all(|specimen| not_finite(specimen).is_none()));
+    hold(&specimens, &[Suite::Weight, Suite::Reciprocal]);
 }
 
 fn rough<F: Real>(alpha: f64) -> Distribution<F> {

@@ -209,7 +209,7 @@ fn reflected(correct: f64, surface: &dyn Microsurface, wo: Direction, wi: Direct
 
 /// D |w·m| G₁(w) / cos θ: the density of visible normals, without the condition that they are visible.
 fn unclamped(surface: &dyn Microsurface, w: Direction, m: Direction) -> f64 {
-    surface.d(m) * dot(w, m).abs() * surface.g1(w, m) / w[2]
+    surface.d(m) * dot(w, m).abs() * surface.g1(w, w) / w[2]
 }
 
 /// Tries other numbers until a direction comes out.
@@ -595,7 +595,7 @@ mutants! {
     sampler_insists_and_pdf_does_not_know: Normalised, "rate of no sample", rough_mirror,
         Bug::Sample(insistent);
 
-    density_without_the_jacobian: ChiSquare, "next to nothing", rough_mirror,
+    density_without_the_jacobian: ChiSquare, "chi-square", rough_mirror,
         Bug::Pdf(|pdf, wo, wi| pdf * 4.0 * half(wo, wi).1);
     jacobian_with_the_macro_normal: ChiSquare, "chi-square", rough_mirror,
         Bug::Pdf(|pdf, wo, wi| pdf * half(wo, wi).1 / wo[2]);

@@ -67,24 +67,25 @@ impl<F: Real> KullaContyDielectric<F> {
             let mean = |i: usize| cosine_average(&|root| side.at(root)[i]);
             SingleScattering { reflected: mean(0), transmitted: mean(1), fresnel: mean(2) }
         });
-        let loss = means.map(|SingleScattering { reflected, transmitted, .. }| 1.0 - reflected - transmitted);
+        // What rounding makes of a loss of nothing can be negative.
+        let loss_tables = sides.map(|side| Table::new(|root| {
+            let [reflected, transmitted, _] = side.at(root);
+            [F::from_f64((1.0 - reflected - transmitted).max(0.0))]
+        }));
+        let loss = loss_tables.each_ref().map(|loss| cosine_average(&|root| loss.at(F::from_f64(root))[0].to_f64()));
         let eta_squared = (eta * eta).to_f64();
         let (rare, dense) = if eta_squared >= 1.0 { (0, 1) } else { (1, 0) };
         // In units of the flux outside; from the denser side there is η² of it.
         let flux = [1.0, eta_squared];
-        let crossed = (loss[rare] - returned(&means[rare])).min(loss[dense] * flux[dense] / flux[rare]);
-        let crossed = crossed * flux[rare];
-        let loss_table = |side: Table<f64, 3>| {
-            Table::new(|root| {
-                let [reflected, transmitted, _] = side.at(root);
-                [F::from_f64(1.0 - reflected - transmitted)]
-            })
-        };
+        // No more crosses than either side loses.
+        let lost = [0, 1].map(|side| loss[side] * flux[side]);
+        let crossed = (lost[rare] - returned(&means[rare]) * flux[rare]).max(0.0).min(lost[dense]);
+        let over = |a: f64, b: f64| F::from_f64(if b > 0.0 { a / b } else { 0.0 });
         Self {
             eta,
-            loss: sides.map(loss_table),
-            gain: loss.map(|loss| F::from_f64(1.0 / loss)),
-            crossing: [0, 1].map(|side| F::from_f64(crossed / (flux[side] * loss[side]))),
+            loss: loss_tables,
+            gain: loss.map(|loss| over(1.0, loss)),
+            crossing: lost.map(|lost| over(crossed, lost)),
         }
     }
 

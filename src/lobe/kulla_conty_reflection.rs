@@ -48,7 +48,10 @@ pub struct KullaContyReflection<F> {
 impl<F: Real> KullaContyReflection<F> {
     /// The higher orders of a rough surface of the given distribution of normals and Fresnel term.
     pub fn new(distribution: Distribution<F>, fresnel: Fresnel<F>) -> Self {
-        let loss = Table::new(|root| [F::from_f64(1.0 - distribution.single_scattering(root * root))]);
+        // A smooth surface loses nothing; what rounding makes of nothing can be negative.
+        let loss = |root: f64| (1.0 - distribution.single_scattering(root * root)).max(0.0);
+        let is_smooth = distribution.is_smooth();
+        let loss = Table::new(|root| [F::from_f64(if is_smooth { 0.0 } else { loss(root) })]);
         let mean_loss = cosine_average(&|root| loss.at(F::from_f64(root))[0].to_f64());
         let fresnel = |channel: usize| {
             let reflectance = |mu: f64| fresnel.reflectance(F::from_f64(mu))[channel].to_f64();
@@ -57,7 +60,6 @@ impl<F: Real> KullaContyReflection<F> {
         let gain = Rgb(core::array::from_fn(|channel| {
             let f = fresnel(channel);
             let multiple = f * f * (1.0 - mean_loss) / (1.0 - f * mean_loss);
-            // A smooth surface loses nothing.
             F::from_f64(if mean_loss > 0.0 { multiple / mean_loss } else { 0.0 })
         }));
         Self { loss, mean_loss: F::from_f64(mean_loss), gain }

@@ -135,6 +135,8 @@ impl<F: Real> RefractiveLayer<F> {
         let inside = Inside::new(eta, self.optical_depth.to_f64(), rough);
         let base = Arc::clone(&self.base);
         self.moments = Table::new(|mu| {
+            // The limit of grazing incidence, not the tangent plane itself.
+            let mu = mu.max(1e-9);
             let cosine = ((eta - 1.0) * (eta + 1.0) + mu * mu).sqrt() / eta;
             let Moments { returned: k, escaped: s, peaked } = inside.moments(&*base, cosine);
             [k[0], k[1], k[2], s[0], s[1], s[2], peaked].map(F::from_f64)
@@ -146,8 +148,9 @@ impl<F: Real> RefractiveLayer<F> {
                 let cos_theta = F::from_f64(mu);
                 2.0 * mu * self.returns(cos_theta, self.enters(cos_theta))[channel].to_f64()
             });
-            let inverse = 1.0 / (core::f64::consts::PI * mean);
-            if inverse.is_finite() { F::from_f64(inverse) } else { F::ZERO }
+            // A thick layer returns less than the type can divide by.
+            let inverse = F::from_f64(1.0 / (core::f64::consts::PI * mean));
+            if inverse.is_finite() { inverse } else { F::ZERO }
         }));
     }
 
@@ -316,8 +319,9 @@ struct Node {
     escaped: [f64; 3],
 }
 
-/// Density \[sr⁻¹\] up to which a base is wide enough for the nodes; what is above is left to the base's own sampler.
-const WIDE: f64 = 2.0 * core::f64::consts::FRAC_1_PI;
+/// Density over that of a diffuser up to which a base is wide enough for the nodes and for sampling the cosine; what is
+/// above is left to the base's own sampler.
+const WIDE: f64 = 2.0;
 /// Azimuths of the given direction, over which anisotropic bases are averaged.
 const AZIMUTHS: usize = 4;
 /// Azimuths around a node, per azimuth of the given direction; the sets interleave.
@@ -379,7 +383,7 @@ impl Inside {
                 for j in 0..RING {
                     let azimuth = 0.5 * turn + (j as f64 + turn) / RING as f64;
                     let wi = F::Vec3::from_f64(direction(node.cosine, azimuth));
-                    let part = 1.0 - peakedness(base.pdf(wo, wi, mode).to_f64());
+                    let part = 1.0 - peakedness(base.pdf(wo, wi, mode), wi.z());
                     wide.add(node, base.eval(wo, wi, mode), measure * part);
                 }
             }
@@ -388,7 +392,7 @@ impl Inside {
                 let Some(scatter) = base.sample(wo, uc, [u0, u1], mode) else { continue };
                 let part = match scatter.pdf {
                     Pdf::Discrete(_) => 1.0,
-                    Pdf::SolidAngle(density) => peakedness(density.to_f64()),
+                    Pdf::SolidAngle(density) => peakedness(density, scatter.wi.z()),
                 };
                 if part > 0.0 && is_above::<F>(scatter.wi) {
                     let node = self.node(scatter.wi.z().to_f64(), 1.0);
@@ -436,8 +440,9 @@ impl Moments {
 }
 
 /// The share of a base of this density \[sr⁻¹\] that its own sampler integrates: 0 where it is wide, smooth, towards 1.
-fn peakedness(density: f64) -> f64 {
-    if density > WIDE { (1.0 - WIDE / density).powi(2) } else { 0.0 }
+fn peakedness<F: Real>(density: F, cos_theta: F) -> f64 {
+    let wide = F::from_f64(WIDE) * cosine_hemisphere_pdf(cos_theta);
+    if density > wide { (1.0 - (wide / density).to_f64()).powi(2) } else { 0.0 }
 }
 
 /// The direction of the given cosine and azimuth, in turns.
