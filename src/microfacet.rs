@@ -117,6 +117,21 @@ impl<F: Real> Distribution<F> {
         Ok(Self { shadowing, ..self })
     }
 
+    /// The same distribution in double precision, for integrals: what a nearly smooth surface loses is less than the
+    /// rounding of single precision.
+    pub(crate) fn to_f64(self) -> Distribution<f64> {
+        let Self { shape, shadowing, alpha_x, alpha_y, inverse_alpha, is_smooth, peak } = self;
+        Distribution {
+            shape,
+            shadowing,
+            alpha_x: alpha_x.to_f64(),
+            alpha_y: alpha_y.to_f64(),
+            inverse_alpha: inverse_alpha.map(F::to_f64),
+            is_smooth,
+            peak: peak.to_f64(),
+        }
+    }
+
     /// `true` if the roughness is too small to be resolved: lobes are then Dirac deltas.
     pub fn is_smooth(&self) -> bool {
         self.is_smooth
@@ -459,7 +474,7 @@ impl<F: Real> Distribution<F> {
                 let (_, facet) = self.sample_reflection(wo, uc, u.map(F::from_f64))?;
                 Some(share * facet.weight.to_f64())
             };
-            unit_square([12, 6]).enumerate().filter_map(weight).sum::<f64>()
+            unit_square([12, 6], self.is_isotropic()).enumerate().filter_map(weight).sum::<f64>()
         };
         (0..azimuths).map(at).sum::<f64>() / azimuths as f64
     }

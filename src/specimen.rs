@@ -297,7 +297,8 @@ impl Kind {
 /// # Errors
 /// Never for the parameters listed here; the constructors' errors are passed on rather than unwrapped.
 pub fn catalogue() -> Result<Vec<Box<dyn bxdf_tests::Specimen>>, CatalogueError> {
-    let kinds: Vec<_> = Kind::catalogue().map(specimens_of).collect::<Result<_, _>>()?;
+    let kinds: Vec<_> = Kind::catalogue().collect();
+    let kinds: Vec<_> = kinds.into_par_iter().map(specimens_of).collect::<Result<_, _>>()?;
     Ok(kinds.into_iter().flatten().collect())
 }
 

@@ -44,9 +44,10 @@ impl Look {
         }
     }
 
-    /// Pilot samples per cell: some 256 cells, whatever the number of pilot samples.
-    fn per_cell(self) -> usize {
-        self.pilots / 410
+    /// Pilot samples per cell, of which `continuous` are no deltas: some 256 cells for all pilot samples together,
+    /// whatever their number, and no fewer than some 40 for a density beside heavy deltas.
+    fn per_cell(self, continuous: usize) -> usize {
+        (self.pilots / 410).min((continuous / 64).max(4))
     }
 }
 
@@ -176,15 +177,20 @@ impl Survey {
             }
         });
         directions.retain(|direction| direction.iter().all(|component| component.is_finite()));
-        let mut densities = vec![0.0; directions.len()];
+        let count = directions.len();
+        let mut densities = vec![0.0; count];
         specimen.pdf_many(setting.wo, &directions, setting.transport, &mut densities);
         let pilots = directions
             .iter()
             .zip(densities)
             .map(|(&direction, density)| Pilot { point: chart.point(direction), density })
             .collect();
-        let partition =
-            Partition::new(chart, pilots, [look.per_cell(), PILOTS_PER_PIECE], 64.0 * precision.epsilon());
+        let partition = Partition::new(
+            chart,
+            pilots,
+            [look.per_cell(count), PILOTS_PER_PIECE],
+            64.0 * precision.epsilon(),
+        );
         let mut survey = Self {
             partition,
             largest_weight: deltas.iter().flat_map(|delta| delta.scatter.weight).fold(0.0, f64::max),

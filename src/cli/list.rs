@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use bxdf_tests::Suite;
 use gonio::specimen::{CatalogueError, Kind, specimens_of};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{Failure, Format, print};
@@ -37,12 +38,12 @@ struct Lists {
 }
 
 /// The kinds that pass, with their specimens.
-fn groups(keep: impl Fn(Kind) -> bool) -> Result<Vec<Group>, CatalogueError> {
+fn groups(keep: impl Fn(&Kind) -> bool) -> Result<Vec<Group>, CatalogueError> {
     let group = |kind: Kind| {
         let specimens = specimens_of(kind)?.iter().map(|specimen| specimen.name()).collect();
         Ok(Group { name: kind.name(), summary: kind.summary(), specimens })
     };
-    Kind::catalogue().filter(|&kind| keep(kind)).map(group).collect()
+    Kind::catalogue().filter(keep).collect::<Vec<_>>().into_par_iter().map(group).collect()
 }
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {

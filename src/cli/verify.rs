@@ -59,7 +59,10 @@ fn select(names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure> {
     let mut selected = Vec::new();
     // The long form only if it is named.
     let is_long = |name: &String| name.starts_with(Kind::Grid.name());
-    for kind in Kind::catalogue().chain(names.iter().any(is_long).then_some(Kind::Grid)) {
+    let kinds = || Kind::catalogue().chain(names.iter().any(is_long).then_some(Kind::Grid));
+    // Where every name is that of a kind, the others need not be built.
+    let by_kind = !names.is_empty() && names.iter().all(|name| kinds().any(|kind| name == kind.name()));
+    for kind in kinds().filter(|kind| !by_kind || names.iter().any(|name| name == kind.name())) {
         known.push(kind.name().to_owned());
         for specimen in specimens_of(kind)? {
             let full = specimen.name();

@@ -55,6 +55,15 @@ impl<F: Real> DielectricSpecular<F> {
         Ok(Self { tints, largest, ..self })
     }
 
+    /// The same boundary in double precision.
+    pub(crate) fn to_f64(&self) -> DielectricSpecular<f64> {
+        DielectricSpecular {
+            eta: self.eta.to_f64(),
+            tints: self.tints.map(|tint| Rgb(tint.to_f64())),
+            largest: self.largest.map(F::to_f64),
+        }
+    }
+
     /// Index below the surface over the index above.
     pub fn eta(&self) -> F {
         self.eta

@@ -58,28 +58,34 @@ impl<F: Real> KullaContyDielectric<F> {
             let lossless = || Table::new(|_| [F::ZERO]);
             return Self { eta, loss: [lossless(), lossless()], gain: [F::ZERO; 2], crossing: [F::ZERO; 2] };
         }
-        let sides = [1.0, -1.0].map(|side| Table::<f64, 3>::new(|root| {
-            let SingleScattering { reflected, transmitted, fresnel } =
-                boundary.single_scattering(root * root, side);
-            [reflected, transmitted, fresnel]
-        }));
+        let double = boundary.to_f64();
+        let sides = [1.0, -1.0].map(|side| {
+            Table::<f64, 3>::new(|root| {
+                let SingleScattering { reflected, transmitted, fresnel } =
+                    double.single_scattering(root * root, side);
+                [reflected, transmitted, fresnel]
+            })
+        });
         let means = sides.each_ref().map(|side| {
             let mean = |i: usize| cosine_average(&|root| side.at(root)[i]);
             SingleScattering { reflected: mean(0), transmitted: mean(1), fresnel: mean(2) }
         });
-        // What rounding makes of a loss of nothing can be negative.
-        let loss_tables = sides.map(|side| Table::new(|root| {
-            let [reflected, transmitted, _] = side.at(root);
-            [F::from_f64((1.0 - reflected - transmitted).max(0.0))]
-        }));
-        let loss = loss_tables.each_ref().map(|loss| cosine_average(&|root| loss.at(F::from_f64(root))[0].to_f64()));
+        let loss_tables = sides.map(|side| {
+            Table::new(|root| {
+                let [reflected, transmitted, _] = side.at(root);
+                // What rounding makes of a loss of nothing can be negative.
+                [F::from_f64((1.0 - reflected - transmitted).max(0.0))]
+            })
+        });
+        let mean_loss = |loss: &Table<F, 1>| cosine_average(&|root| loss.at(F::from_f64(root))[0].to_f64());
+        let loss = loss_tables.each_ref().map(mean_loss);
         let eta_squared = (eta * eta).to_f64();
-        let (rare, dense) = if eta_squared >= 1.0 { (0, 1) } else { (1, 0) };
+        let rare = if eta_squared >= 1.0 { 0 } else { 1 };
         // In units of the flux outside; from the denser side there is η² of it.
         let flux = [1.0, eta_squared];
         // No more crosses than either side loses.
         let lost = [0, 1].map(|side| loss[side] * flux[side]);
-        let crossed = (lost[rare] - returned(&means[rare]) * flux[rare]).max(0.0).min(lost[dense]);
+        let crossed = (lost[rare] - returned(&means[rare]) * flux[rare]).max(0.0).min(lost[0].min(lost[1]));
         let over = |a: f64, b: f64| F::from_f64(if b > 0.0 { a / b } else { 0.0 });
         Self {
             eta,

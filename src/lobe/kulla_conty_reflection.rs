@@ -48,10 +48,11 @@ pub struct KullaContyReflection<F> {
 impl<F: Real> KullaContyReflection<F> {
     /// The higher orders of a rough surface of the given distribution of normals and Fresnel term.
     pub fn new(distribution: Distribution<F>, fresnel: Fresnel<F>) -> Self {
-        // A smooth surface loses nothing; what rounding makes of nothing can be negative.
-        let loss = |root: f64| (1.0 - distribution.single_scattering(root * root)).max(0.0);
+        let double = distribution.to_f64();
+        // What rounding makes of a loss of nothing can be negative.
+        let lost = |root: f64| (1.0 - double.single_scattering(root * root)).max(0.0);
         let is_smooth = distribution.is_smooth();
-        let loss = Table::new(|root| [F::from_f64(if is_smooth { 0.0 } else { loss(root) })]);
+        let loss = Table::new(|root| [F::from_f64(if is_smooth { 0.0 } else { lost(root) })]);
         let mean_loss = cosine_average(&|root| loss.at(F::from_f64(root))[0].to_f64());
         let fresnel = |channel: usize| {
             let reflectance = |mu: f64| fresnel.reflectance(F::from_f64(mu))[channel].to_f64();

@@ -76,12 +76,22 @@ impl<F: Real> MicrofacetDielectric<F> {
         self.smooth.eta()
     }
 
+    /// The same boundary in double precision, for integrals.
+    pub(crate) fn to_f64(&self) -> MicrofacetDielectric<f64> {
+        MicrofacetDielectric {
+            distribution: self.distribution.to_f64(),
+            smooth: self.smooth.to_f64(),
+            is_smooth: self.is_smooth,
+        }
+    }
+
     /// Directional albedos of single scattering without tints, and the mean of F over the visible normals, for
     /// directions of the given cosine on one side (`side` = 1: from above, −1: from below).
     ///
     /// By averaging over visible normals; an anisotropic distribution is averaged over the azimuth.
     pub(crate) fn single_scattering(&self, cos_theta: f64, side: f64) -> SingleScattering {
-        let azimuths = if self.distribution.is_isotropic() { 1 } else { 16 };
+        let is_isotropic = self.distribution.is_isotropic();
+        let azimuths = if is_isotropic { 1 } else { 16 };
         let eta = if side > 0.0 { self.eta() } else { F::ONE / self.eta() };
         // The limit of grazing incidence, not the tangent plane itself.
         let cos_theta = cos_theta.max(1e-9);
@@ -91,7 +101,7 @@ impl<F: Real> MicrofacetDielectric<F> {
             let turn = core::f64::consts::TAU * f64::from(azimuth) / f64::from(azimuths);
             let (sin_phi, cos_phi) = libm::sincos(turn);
             let wo = F::Vec3::from_f64([sin_theta * cos_phi, sin_theta * sin_phi, cos_theta]);
-            for (i, (u, share)) in unit_square([12, 8]).enumerate() {
+            for (i, (u, share)) in unit_square([12, 8], is_isotropic).enumerate() {
                 let uc = F::from_f64(kronecker(i)[0]);
                 let Some((wm, _)) = self.distribution.sample_visible(wo, uc, u.map(F::from_f64)) else { continue };
                 let share = share / f64::from(azimuths);
