@@ -5,6 +5,8 @@
 
 mod ior;
 mod list;
+mod merge;
+mod output;
 mod plot;
 mod progress;
 mod report;
@@ -44,6 +46,8 @@ enum Verb {
     List(list::Options),
     /// Runs the suites on specimens and prints a verdict for each
     Verify(verify::Options),
+    /// Puts the parts of a run together
+    Merge(merge::Options),
     /// Draws one figure and writes its numbers beside it
     #[command(subcommand)]
     Plot(plot::Kind),
@@ -119,6 +123,7 @@ gonio verifies materials and BxDFs.
   gonio report --check                    does reports/ still say what would be written?
   gonio verify                            every specimen against every suite
   gonio verify rough_conductor            one family;  gonio list  names them all
+  gonio verify --shard 1/4 --output json=1.json   a quarter of the run;  gonio merge *.json  makes it whole
   gonio plot fresnel                      the thesis's Figure 5 as fresnel.svg and fresnel.csv
   gonio plot fresnel gold/Johnson-1972    the same for data sets or CSV files of your choice
   gonio ior list                          measured optical constants
@@ -155,6 +160,7 @@ fn run_verb(verb: Verb, general: &General) -> Result<ExitCode, Failure> {
     match verb {
         Verb::List(options) => list::run(&options),
         Verb::Verify(options) => verify::run(&options, general),
+        Verb::Merge(options) => merge::run(&options),
         Verb::Plot(kind) => plot::run(&kind),
         Verb::Ior(verb) => ior::run(&verb),
         Verb::Report(options) => report::run(&options, general),

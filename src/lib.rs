@@ -10,7 +10,7 @@
 //!
 //! | floor | modules |
 //! |---|---|
-//! | 5 | [`report`] |
+//! | 5 | [`record`], [`report`] |
 //! | 4 | [`specimen`]; `bxdf_tests` is named from here up only |
 //! | 2 | [`bxdf`], [`lobe`], [`stack`] |
 //! | 1 | [`fresnel`], [`microfacet`], [`ior`] |
@@ -42,6 +42,7 @@ pub mod microfacet;
 pub mod parameter;
 mod quadrature;
 pub mod real;
+pub mod record;
 pub mod report;
 pub mod rgb;
 pub mod special;

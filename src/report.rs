@@ -10,11 +10,12 @@ mod page;
 use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use bxdf_tests::{FAMILY_ERROR_RATE, Plan, Specimen, Suite, Verdict};
-use serde::Serialize;
+use bxdf_tests::{Plan, Specimen, Suite, Verdict};
 
 use crate::ior::{IorError, Table, builtin};
+use crate::record::RunRecord;
 use crate::specimen::verify;
 pub use compare::Difference;
 pub use figure::FresnelFigure;
@@ -62,32 +63,6 @@ pub enum ReportError {
     },
 }
 
-/// `verdicts.json`.
-#[derive(Serialize)]
-struct VerdictFile<'a> {
-    schema: &'static str,
-    gonio: &'static str,
-    run_seed: u64,
-    samples_per_setting: usize,
-    statistical_checks: usize,
-    family_error_rate: f64,
-    verdicts: &'a [Verdict],
-}
-
-/// Verdicts with their plan as JSON, the machine-readable form of a run.
-pub fn verdicts_json(plan: &Plan, verdicts: &[Verdict]) -> Result<String, serde_json::Error> {
-    let file = VerdictFile {
-        schema: "gonio-verdicts/1",
-        gonio: env!("CARGO_PKG_VERSION"),
-        run_seed: plan.run_seed,
-        samples_per_setting: plan.samples,
-        statistical_checks: plan.family,
-        family_error_rate: FAMILY_ERROR_RATE,
-        verdicts,
-    };
-    serde_json::to_string_pretty(&file).map(|text| text + "\n")
-}
-
 /// A report in memory: file names with their contents.
 pub struct Report {
     files: Vec<(&'static str, String)>,
@@ -100,7 +75,7 @@ impl Report {
     pub fn new(
         specimens: &[Box<dyn Specimen>],
         plan: &Plan,
-        finished: &(dyn Fn(&str) + Sync),
+        finished: &(dyn Fn(&str, Duration) + Sync),
     ) -> Result<Self, ReportError> {
         let tables: Vec<Table> = FIGURE_5.into_iter().map(builtin).collect::<Result<_, _>>()?;
         let figure = FresnelFigure::new(&tables, SODIUM_D_NM)?;
@@ -108,13 +83,15 @@ impl Report {
         let verdicts = verify(specimens, Suite::ALL, plan, finished);
         let page =
             page::html(&page::Contents { specimens, plan, verdicts: &verdicts, figure: &figure, svg: &svg })?;
+        let examined = specimens.iter().map(|specimen| &**specimen);
+        let record = RunRecord::new(plan, Suite::ALL, None, examined, verdicts);
         let files = vec![
             ("index.html", page),
             ("fresnel.svg", svg),
             ("fresnel.csv", figure.csv()?),
-            ("verdicts.json", verdicts_json(plan, &verdicts)?),
+            ("verdicts.json", record.json()?),
         ];
-        Ok(Self { files, verdicts })
+        Ok(Self { files, verdicts: record.verdicts })
     }
 
     /// Writes every file into `folder`, which is made if need be.

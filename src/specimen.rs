@@ -8,6 +8,7 @@ mod cases;
 mod stacks;
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use bxdf_tests::{
     Boundary, Claims, Direction, Energy, Examination, Measure, Microsurface, Plan, Precision, Scatter, Suite,
@@ -316,20 +317,21 @@ pub fn specimens_of(kind: Kind) -> Result<Vec<Box<dyn bxdf_tests::Specimen>>, Ca
 /// Runs the given suites, where they apply, on every specimen, in parallel; the verdicts are in the order of the
 /// specimens.
 ///
-/// `finished` is called with the name of each specimen that is done.
+/// `finished` is called with the name of each specimen that is done, and the time it took.
 pub fn verify(
     specimens: &[Box<dyn bxdf_tests::Specimen>],
     suites: &[Suite],
     plan: &Plan,
-    finished: &(dyn Fn(&str) + Sync),
+    finished: &(dyn Fn(&str, Duration) + Sync),
 ) -> Vec<Verdict> {
     let verdicts: Vec<Vec<Verdict>> = specimens
         .par_iter()
         .with_max_len(1)
         .map(|specimen| {
+            let start = Instant::now();
             let examination = Examination::new(&**specimen, plan);
             let verdicts = suites.iter().filter_map(|&suite| examination.verdict(suite)).collect();
-            finished(examination.name());
+            finished(examination.name(), start.elapsed());
             verdicts
         })
         .collect();

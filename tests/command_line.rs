@@ -39,7 +39,10 @@ fn unknown_names_are_answered_with_near_ones() {
         message.contains("no lobe or specimen is named `rough_condutor`; did you mean rough_conductor"),
         "{message}"
     );
-    assert!(message.contains("known: lambertian, specular_reflection, smooth_conductor"), "{message}");
+    assert!(
+        message.contains("known: lambertian, oren_nayar, fabric, specular_reflection, smooth_conductor"),
+        "{message}"
+    );
     let message = refused(&["ior", "show", "gold/Jonson-1972"]);
     assert!(message.contains("did you mean gold/Johnson-1972"), "{message}");
     let message = refused(&["ior", "compare", "unobtainium"]);
@@ -58,6 +61,8 @@ fn values_out_of_range_are_named() {
     assert!(message.contains("no value at NaN nm"), "{message}");
     assert!(refused(&["verify", "--samples", "10"]).contains("10 is not in 1000 to"));
     assert!(refused(&["verify", "--seed", "x"]).contains("--seed"));
+    assert!(refused(&["verify", "--shard", "5/4"]).contains("`5/4` is not a part such as 1/4"));
+    assert!(refused(&["verify", "--output", "xml=a"]).contains("`xml` is no kind"));
     assert!(refused(&["verify", "--suite", "chi"]).contains("choose one of finite, normalised"));
     assert!(refused(&["list", "--threads", "0"]).contains("--threads must be at least 1"));
     let seven = ["plot", "fresnel", "air", "ice/Warren-1984", "mercury", "sf11", "n_sf11", "n_bk7", "cobalt"];
@@ -129,7 +134,7 @@ fn verdicts_do_not_depend_on_threads_and_do_on_the_seed() {
     assert_eq!(one, run(&["--threads", "3"]));
     assert_ne!(one, run(&["--seed", "1"]));
     let verdicts: serde_json::Value = serde_json::from_str(&one).unwrap();
-    assert_eq!(verdicts["schema"], "gonio-verdicts/1");
+    assert_eq!(verdicts["schema"], "gonio-verdicts/2");
     assert_eq!(verdicts["verdicts"].as_array().unwrap().len(), 2 * 2 * 8 + 2 * 7);
 }
 
@@ -144,4 +149,32 @@ fn lists_are_for_people_and_for_programs() {
     assert!(accepted(&[]).contains("gonio report"));
     let by_lobe = accepted(&["verify", "-q", "specular_reflection", "--samples", "1000"]);
     assert!(by_lobe.contains("smooth_conductor/gold/f64") && !by_lobe.contains("rough"), "{by_lobe}");
+}
+
+#[test]
+fn parts_of_a_run_are_merged_to_the_byte() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let output = gonio(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let verify = ["verify", "-q", "lambertian", "specular_reflection", "--samples", "4096", "--seed", "3"];
+    let whole = run(&[&verify[..], &["--format", "json"]].concat());
+    for (part, threads) in [("3/3", "1"), ("1/3", "2"), ("2/3", "3")] {
+        let file = format!("json={}.json", &part[..1]);
+        run(&[&verify[..], &["--shard", part, "--threads", threads, "--output", &file]].concat());
+    }
+    let merge = ["merge", "2.json", "3.json", "1.json"];
+    assert_eq!(run(&[&merge[..], &["--format", "json", "--output", "junit=j.xml"]].concat()), whole);
+    let junit = fs::read_to_string(folder.path().join("j.xml")).unwrap();
+    assert!(junit.contains("<testcase classname=\"lambertian/white/f64\" name=\"chi_square\"/>"), "{junit}");
+    assert_eq!(run(&[&merge[..], &["--format", "github"]].concat()), "");
+    let output = gonio(folder.path(), &["merge", "1.json", "2.json"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("missing: part 3/3"));
+    fs::write(folder.path().join("1.json"), "{").unwrap();
+    let output = gonio(folder.path(), &["merge", "1.json"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("1.json is no record of a run, or damaged"));
 }

@@ -3,7 +3,7 @@
 use crate::suite::Suite;
 
 /// The floating-point type that a specimen computes in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Precision {
     /// Single precision.
@@ -39,7 +39,8 @@ impl Precision {
 }
 
 /// How much of the energy that arrives leaves again, in the measure of power.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Energy {
     /// At most all of it.
     Conserving,
@@ -56,7 +57,7 @@ pub enum Energy {
 }
 
 /// A smooth boundary with exact Fresnel reflectance: the index below over the index above, per channel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Boundary {
     /// Real part of the relative index.
     pub eta: [f64; 3],
@@ -66,7 +67,7 @@ pub struct Boundary {
 
 /// A claim that is known not to hold, with the reason. The suite runs all the same, and a waiver that is no
 /// longer needed is a violation.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Waiver {
     /// The suite that is expected to find a violation.
     pub suite: Suite,
@@ -75,7 +76,7 @@ pub struct Waiver {
 }
 
 /// What a specimen promises.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Claims {
     /// The precision it computes in; tolerances follow from it.
     pub precision: Precision,

@@ -18,6 +18,7 @@
 mod binning;
 mod claims;
 mod deltas;
+mod number;
 mod plan;
 mod quadrature;
 mod specimen;

@@ -6,7 +6,7 @@ use crate::claims::Claims;
 pub type Direction = [f64; 3];
 
 /// What is carried along a path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Transport {
     /// From the camera.

@@ -22,7 +22,7 @@ use crate::verdict::{Check, Ledger, Verdict, Witness};
 macro_rules! suites {
     ($($variant:ident $module:ident: $statement:literal, if $applies:expr;)+) => {
         /// A contract, with the suite of checks that examines it.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
         #[serde(rename_all = "snake_case")]
         pub enum Suite {
             $(#[doc = $statement] $variant,)+

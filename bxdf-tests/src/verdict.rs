@@ -1,10 +1,11 @@
 //! Verdicts with their evidence.
 
+use crate::number;
 use crate::specimen::{Direction, Transport};
 use crate::suite::Suite;
 
 /// What a suite concluded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Outcome {
     /// No check found the claim violated.
@@ -16,19 +17,19 @@ pub enum Outcome {
 }
 
 /// Where in the domain something was measured.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Witness {
     /// The given direction.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", with = "number::triple")]
     pub wo: Option<Direction>,
     /// The other direction, or the micro normal.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", with = "number::triple")]
     pub wi: Option<Direction>,
     /// The uniforms of a sample.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", with = "number::triple")]
     pub uniforms: Option<[f64; 3]>,
     /// What was carried.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transport: Option<Transport>,
 }
 
@@ -163,7 +164,7 @@ impl Ledger {
 }
 
 /// What one suite concluded about one specimen, with the most telling of its checks.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Verdict {
     /// Name of the specimen.
     pub specimen: String,
@@ -176,8 +177,10 @@ pub struct Verdict {
     /// What the most telling check measured.
     pub what: String,
     /// Its value; p-values are given as −log₁₀ p.
+    #[serde(with = "number")]
     pub value: f64,
     /// Its limit; the check holds where the value does not exceed it.
+    #[serde(with = "number")]
     pub limit: f64,
     /// How many checks were made.
     pub checks: u64,
@@ -186,7 +189,7 @@ pub struct Verdict {
     /// How many random samples they rest on; several suites share the same samples.
     pub samples: u64,
     /// Cells of the smallest χ² table at the finest resolution, after pooling: how much the suite could see.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least_cells: Option<usize>,
     /// The run seed; with the name of the specimen it reproduces the run.
     pub run_seed: u64,

@@ -32,7 +32,7 @@ pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Fail
     let mut plan = Plan::new(options.run.seed, specimens.iter().map(|specimen| &**specimen));
     plan.samples = options.run.samples;
     let progress = Progress::new(specimens.len(), general);
-    let report = Report::new(&specimens, &plan, &|_| progress.finished())?;
+    let report = Report::new(&specimens, &plan, &|_, _| progress.finished())?;
     drop(progress);
     let violated = report.verdicts.iter().filter(|verdict| verdict.outcome == Outcome::Violated);
     for verdict in violated {

@@ -1,15 +1,17 @@
 //! `gonio verify`: runs the suites and prints a line per specimen and the verdict.
 
-use std::fmt::Write as _;
+use std::collections::HashMap;
 use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
 
-use bxdf_tests::{FAMILY_ERROR_RATE, Outcome, Plan, Specimen, Suite, Verdict};
+use bxdf_tests::{Plan, Specimen, Suite};
 use gonio::parameter::did_you_mean;
-use gonio::report::verdicts_json;
+use gonio::record::{RunRecord, Shard};
 use gonio::specimen::{Kind, specimens_of, verify};
 
+use super::output::{Form, Outputs};
 use super::progress::Progress;
-use super::{Failure, Format, General, Judgement, Run, print};
+use super::{Failure, General, Judgement, Run, print};
 
 #[derive(clap::Args)]
 pub(crate) struct Options {
@@ -22,9 +24,11 @@ pub(crate) struct Options {
     run: Run,
     #[command(flatten)]
     judgement: Judgement,
-    /// How to print
-    #[arg(long, value_enum, default_value = "full")]
-    format: Format,
+    /// Only part I of N, every N-th specimen; `gonio merge` puts the parts together
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    #[command(flatten)]
+    outputs: Outputs,
 }
 
 fn suite(name: &str) -> Result<Suite, String> {
@@ -36,20 +40,28 @@ fn suite(name: &str) -> Result<Suite, String> {
 
 pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Failure> {
     let specimens = select(&options.names)?;
+    // The error rate is shared by the whole run, whatever part of it this is.
     let mut plan = Plan::new(options.run.seed, specimens.iter().map(|specimen| &**specimen));
     plan.samples = options.run.samples;
-    if options.format == Format::Full {
+    let specimens = match options.shard {
+        None => specimens,
+        Some(shard) => shard.of(specimens),
+    };
+    if options.outputs.format == Form::Full {
         print(&format!("run seed {}\n", plan.run_seed))?;
     }
     let progress = Progress::new(specimens.len(), general);
     let suites = if options.suites.is_empty() { Suite::ALL } else { &options.suites };
-    let verdicts = verify(&specimens, suites, &plan, &|_| progress.finished());
+    let times = Mutex::new(HashMap::new());
+    let verdicts = verify(&specimens, suites, &plan, &|name, time| {
+        progress.finished();
+        times.lock().unwrap_or_else(PoisonError::into_inner).insert(name.to_owned(), time);
+    });
     drop(progress);
-    print(&match options.format {
-        Format::Json => verdicts_json(&plan, &verdicts)?,
-        Format::Full => full(&specimens, suites, &plan, &verdicts)?,
-    })?;
-    Ok(options.judgement.exit_code(&verdicts))
+    let examined = specimens.iter().map(|specimen| &**specimen);
+    let record = RunRecord::new(&plan, suites, options.shard, examined, verdicts);
+    options.outputs.emit(&record, &times.into_inner().unwrap_or_else(PoisonError::into_inner))?;
+    Ok(options.judgement.exit_code(&record.verdicts))
 }
 
 /// The specimens that one of the names means; a name that means none is an error.
@@ -96,58 +108,4 @@ fn select(names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure> {
             .into())
         }
     }
-}
-
-fn full(
-    specimens: &[Box<dyn Specimen>],
-    suites: &[Suite],
-    plan: &Plan,
-    verdicts: &[Verdict],
-) -> Result<String, std::fmt::Error> {
-    let mut text = String::new();
-    let width = specimens.iter().map(|specimen| specimen.name().len()).max().unwrap_or(0);
-    let header: Vec<_> = suites.iter().map(|suite| format!("{:<13}", suite.name())).collect();
-    writeln!(text, "{:<width$}  {}", "", header.join("").trim_end())?;
-    for specimen in specimens {
-        let name = specimen.name();
-        let cells = suites.iter().map(|&suite| {
-            let verdict = verdicts.iter().find(|verdict| verdict.specimen == name && verdict.suite == suite);
-            let cell = match verdict.map(|verdict| verdict.outcome) {
-                None => "-",
-                Some(Outcome::Holds) => "holds",
-                Some(Outcome::Violated) => "VIOLATED",
-                Some(Outcome::Inconclusive) => "inconclusive",
-            };
-            format!("{cell:<13}")
-        });
-        writeln!(text, "{name:<width$}  {}", cells.collect::<String>().trim_end())?;
-    }
-    text.push('\n');
-    for verdict in verdicts.iter().filter(|verdict| verdict.outcome != Outcome::Holds) {
-        writeln!(text, "{verdict}\n")?;
-    }
-    let count = |outcome| verdicts.iter().filter(|verdict| verdict.outcome == outcome).count();
-    writeln!(
-        text,
-        "{} verdicts: {} hold, {} violated, {} inconclusive; {} samples per direction; false alarm of the run ≤ {:e}",
-        verdicts.len(),
-        count(Outcome::Holds),
-        count(Outcome::Violated),
-        count(Outcome::Inconclusive),
-        plan.samples,
-        FAMILY_ERROR_RATE,
-    )?;
-    if count(Outcome::Violated) > 0 {
-        let violated = verdicts.iter().filter(|verdict| verdict.outcome == Outcome::Violated);
-        let mut names: Vec<&str> = violated.map(|verdict| verdict.specimen.as_str()).collect();
-        names.dedup();
-        writeln!(
-            text,
-            "again: gonio verify {} --seed {} --samples {}",
-            names.join(" "),
-            plan.run_seed,
-            plan.samples
-        )?;
-    }
-    Ok(text)
 }
