@@ -520,7 +520,7 @@ impl<F: Real> RefractingFacet<F> {
     /// above: m = ±(wo + η wi) / |wo + η wi|. `None` where no facet does that.
     #[inline]
     pub fn between(wo: F::Vec3, wi: F::Vec3, eta: F) -> Option<Self> {
-        let sum = wo + wi * eta;
+        let sum = F::Vec3::new(wo.x() + eta * wi.x(), wo.y() + eta * wi.y(), Self::height(wo, wi, eta));
         let m = sum.normalize();
         let m = if m.z() < F::ZERO { -m } else { m };
         let (cos_theta_o, cos_theta_t) = (wo.dot(m), -wi.dot(m));
@@ -528,6 +528,20 @@ impl<F: Real> RefractingFacet<F> {
         // wo·m + η wi·m is the length of the sum, because m has its direction.
         let jacobian = cos_theta_t * eta * eta / sum.dot(sum);
         faces_both.then_some(Self { m, cos_theta_o, jacobian })
+    }
+
+    /// cos θo − η cos θi.
+    ///
+    /// Near the normal cosines are rounded to 1, and nearly matched media would be left with rounding alone: there the
+    /// difference of the cosines comes from the sines.
+    #[inline]
+    fn height(wo: F::Vec3, wi: F::Vec3, eta: F) -> F {
+        let (cos_theta_o, cos_theta_i) = (wo.z(), -wi.z());
+        if cos_theta_o.min(cos_theta_i) < F::from_f64(0.75) {
+            return cos_theta_o - eta * cos_theta_i;
+        }
+        let difference = (sin2_theta::<F>(wi) - sin2_theta::<F>(wo)) / (cos_theta_o + cos_theta_i);
+        difference - (eta - F::ONE) * cos_theta_i
     }
 
     /// The facet of the sampled normal `m`, with its cosines on both sides.
@@ -564,5 +578,19 @@ mod tests {
         let gaussian = Distribution::new(Shape::Gaussian, 0.2_f64, 0.2).unwrap();
         assert_eq!(gaussian.shadowing(), Shadowing::VCavity);
         assert_eq!(gaussian.with_shadowing(Shadowing::SmithSeparable), Err(NoSmithForm));
+    }
+
+    #[test]
+    fn facets_between_nearly_matched_media_are_exact_in_single_precision() {
+        let eta = 1.0001_f32;
+        for sine in [1e-6, 3e-5, 1e-4, 2e-4, 1e-3] {
+            let wi = glam::DVec3::new(sine, 0.0, -f64::sqrt(1.0 - sine * sine));
+            let single = RefractingFacet::between(glam::Vec3::Z, wi.as_vec3(), eta).unwrap();
+            let double = RefractingFacet::between(glam::DVec3::Z, wi, f64::from(eta)).unwrap();
+            let error = (single.m.as_dvec3() - double.m).length();
+            assert!(error < 1e-5, "{sine}: {error:e}");
+            let ratio = f64::from(single.jacobian) / double.jacobian;
+            assert!((ratio - 1.0).abs() < 1e-5, "{sine}: {ratio}");
+        }
     }
 }
