@@ -511,6 +511,8 @@ pub struct RefractingFacet<F: Real> {
     pub m: F::Vec3,
     /// Cosine above it, > 0.
     pub cos_theta_o: F,
+    /// Cosine below it, > 0.
+    pub cos_theta_t: F,
     /// dωm / dωi = |wi·m| η² / (wo·m + η wi·m)².
     jacobian: F,
 }
@@ -527,7 +529,7 @@ impl<F: Real> RefractingFacet<F> {
         let faces_both = cos_theta_o > F::ZERO && cos_theta_t > F::ZERO && m.z() > F::ZERO;
         // wo·m + η wi·m is the length of the sum, because m has its direction.
         let jacobian = cos_theta_t * eta * eta / sum.dot(sum);
-        faces_both.then_some(Self { m, cos_theta_o, jacobian })
+        faces_both.then_some(Self { m, cos_theta_o, cos_theta_t, jacobian })
     }
 
     /// cos θo − η cos θi.
@@ -549,7 +551,7 @@ impl<F: Real> RefractingFacet<F> {
     pub fn sampled(m: F::Vec3, cos_theta_o: F, cos_theta_t: F, eta: F) -> Self {
         // |wo + η wi| = |cos θo − η cos θt| = |η² − 1| / (cos θo + η cos θt), which does not cancel.
         let inverse_length = (cos_theta_o + eta * cos_theta_t) / ((eta - F::ONE) * (eta + F::ONE));
-        Self { m, cos_theta_o, jacobian: cos_theta_t * (eta * inverse_length).squared() }
+        Self { m, cos_theta_o, cos_theta_t, jacobian: cos_theta_t * (eta * inverse_length).squared() }
     }
 }
 

@@ -173,6 +173,17 @@ impl<'a> Examination<'a> {
         Surveyed { setting, survey, tally, second: OnceLock::new() }
     }
 
+    fn second<'s>(&self, surveyed: &'s Surveyed) -> &'s Surveyed {
+        surveyed.second.get_or_init(|| Box::new(self.look(surveyed.setting, Look::second(self.plan))))
+    }
+
+    /// The integrals that decide: those of the first look unless they contradict a claim, else those of the second.
+    ///
+    /// The error bound of a cubature is an estimate; a kink between its nodes can make it too small.
+    pub(crate) fn decisive<'s>(&self, surveyed: &'s Surveyed, holds: impl Fn(&Survey) -> bool) -> &'s Survey {
+        if holds(&surveyed.survey) { &surveyed.survey } else { &self.second(surveyed).survey }
+    }
+
     /// Records statistical checks at a setting where samples are counted, in two planned stages.
     ///
     /// `p_values` gives named checks with ln p as their value. Where one falls below 1e-4 a second look decides, on
@@ -191,13 +202,7 @@ impl<'a> Examination<'a> {
         let first = p_values(surveyed);
         // NaN is not a matter of chance.
         let is_grey = |p: &PValue| p.ln_p < LN_GREY;
-        let second = first.iter().any(is_grey).then(|| {
-            p_values(
-                surveyed
-                    .second
-                    .get_or_init(|| Box::new(self.look(surveyed.setting, Look::second(self.plan)))),
-            )
-        });
+        let second = first.iter().any(is_grey).then(|| p_values(self.second(surveyed)));
         for (i, first) in first.iter().enumerate() {
             let (p, ln_p) = match &second {
                 Some(second) if is_grey(first) => (&second[i], second[i].ln_p + LN_GREY),

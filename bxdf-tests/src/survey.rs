@@ -28,11 +28,14 @@ impl Look {
     /// far better; edges such as that of total internal reflection would cost five times as much for two more digits.
     const CELL_ERROR: f64 = 1e-7;
 
+    /// Where more digits matter than time.
+    const LEAST_ERROR: f64 = 1e-9;
+
     /// Enough for lobes of one width.
     pub(crate) const FIRST: Self =
         Self { name: "stage 1", pilots: 1 << 14, samples: 1, cell_error: Self::CELL_ERROR };
     /// For numbers that are printed and compared.
-    const ALBEDO: Self = Self { name: "albedo", cell_error: 1e-9, ..Self::FIRST };
+    const ALBEDO: Self = Self { name: "albedo", cell_error: Self::LEAST_ERROR, ..Self::FIRST };
     /// Decides what the first leaves doubtful, on independent samples. It has as many pilot samples as counted ones:
     /// mass that the cubature could overlook is then too little to be noticed.
     pub(crate) fn second(plan: &Plan) -> Self {
@@ -40,7 +43,7 @@ impl Look {
             name: "stage 2",
             pilots: (4 * plan.samples).max(1 << 16),
             samples: 4,
-            cell_error: Self::CELL_ERROR,
+            cell_error: Self::LEAST_ERROR,
         }
     }
 

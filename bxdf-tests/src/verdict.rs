@@ -130,6 +130,11 @@ impl Ledger {
         }
     }
 
+    /// How much of its limit the worst check used; −∞ if there was none.
+    pub(crate) fn used(&self) -> f64 {
+        self.worst.map_or(f64::NEG_INFINITY, |worst| worst.used())
+    }
+
     pub(crate) fn into_verdict(self, specimen: String, suite: Suite, run_seed: u64) -> Verdict {
         let nothing = Check {
             inconclusive: Some("no check was made"),

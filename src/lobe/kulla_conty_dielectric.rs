@@ -39,12 +39,30 @@ use crate::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
 #[derive(Clone, Debug)]
 pub struct KullaContyDielectric<F> {
     eta: F,
-    /// 1 − R − T over √cos θ, outside and inside.
+    /// 1 − R − T over [`place`], outside and inside.
     loss: [Table<F, 1>; 2],
     /// 1 / l̄ outside and inside; 0 where nothing is lost.
     gain: [F; 2],
     /// x and y: the share that leaves on the other side.
     crossing: [F; 2],
+}
+
+/// Intervals of the tables.
+const INTERVALS: usize = 128;
+
+/// Where a cosine is in the tables: (√cos θ + ∜cos θ) / 2.
+///
+/// From the rarer side the loss grows towards grazing incidence with an infinite slope, also over √cos θ: over that alone,
+/// the first of 64 intervals returned up to 7 % of the light twice.
+#[inline]
+fn place<F: Real>(cos_theta: F) -> F {
+    let root = cos_theta.sqrt();
+    F::HALF * (root + root.sqrt())
+}
+
+/// The cosine at a place in the tables.
+fn cosine_at(place: f64) -> f64 {
+    (0.5 * ((1.0 + 8.0 * place).sqrt() - 1.0)).powi(4)
 }
 
 /// Reflectance of a second bounce over that of the average one: a fit to random walks.
@@ -60,24 +78,26 @@ impl<F: Real> KullaContyDielectric<F> {
         }
         let double = boundary.to_f64();
         let sides = [1.0, -1.0].map(|side| {
-            Table::<f64, 3>::new(|root| {
+            Table::<f64, 3>::with_intervals(INTERVALS, |place| {
                 let SingleScattering { reflected, transmitted, fresnel } =
-                    double.single_scattering(root * root, side);
+                    double.single_scattering(cosine_at(place), side);
                 [reflected, transmitted, fresnel]
             })
         });
         let means = sides.each_ref().map(|side| {
-            let mean = |i: usize| cosine_average(&|root| side.at(root)[i]);
+            let mean = |i: usize| cosine_average(&|root| side.at(place(root * root))[i]);
             SingleScattering { reflected: mean(0), transmitted: mean(1), fresnel: mean(2) }
         });
         let loss_tables = sides.map(|side| {
-            Table::new(|root| {
-                let [reflected, transmitted, _] = side.at(root);
+            Table::with_intervals(INTERVALS, |place| {
+                let [reflected, transmitted, _] = side.at(place);
                 // What rounding makes of a loss of nothing can be negative.
                 [F::from_f64((1.0 - reflected - transmitted).max(0.0))]
             })
         });
-        let mean_loss = |loss: &Table<F, 1>| cosine_average(&|root| loss.at(F::from_f64(root))[0].to_f64());
+        let mean_loss = |loss: &Table<F, 1>| {
+            cosine_average(&|root| loss.at(place(F::from_f64(root * root)))[0].to_f64())
+        };
         let loss = loss_tables.each_ref().map(mean_loss);
         let eta_squared = (eta * eta).to_f64();
         let rare = if eta_squared >= 1.0 { 0 } else { 1 };
@@ -111,7 +131,7 @@ impl<F: Real> KullaContyDielectric<F> {
         } else {
             return None;
         };
-        Some((self.loss[side].at(w.z().abs().sqrt())[0], side))
+        Some((self.loss[side].at(place(w.z().abs()))[0], side))
     }
 
     /// Index of the other side over this one.

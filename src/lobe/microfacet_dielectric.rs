@@ -148,6 +148,17 @@ pub(crate) struct SingleScattering {
     pub(crate) fresnel: f64,
 }
 
+/// The Fresnel terms of a facet, the same from both sides: from the smaller cosine, because the larger one does not have
+/// the digits of its distance from the critical angle.
+#[inline]
+fn fresnel<F: Real>(facet: &RefractingFacet<F>, eta: F) -> DielectricBoundary<F> {
+    if facet.cos_theta_t < facet.cos_theta_o {
+        dielectric(facet.cos_theta_t, F::ONE / eta)
+    } else {
+        dielectric(facet.cos_theta_o, eta)
+    }
+}
+
 /// The direction into which the facet `wm` refracts `wo`.
 #[inline]
 fn refract<F: Real>(
@@ -173,7 +184,7 @@ impl<F: Real> Bxdf<F> for MicrofacetDielectric<F> {
         let Some(facet) = is_above::<F>(-wi).then(|| RefractingFacet::between(wo, wi, eta)).flatten() else {
             return Rgb::BLACK;
         };
-        let transmittance = dielectric(facet.cos_theta_o, eta).transmittance.unpolarized();
+        let transmittance = fresnel(&facet, eta).transmittance.unpolarized();
         let value = self.distribution.transmission(wo, wi, &facet).value;
         self.smooth.tints()[1] * (transmittance * value * squeeze(eta, mode))
     }
@@ -182,14 +193,13 @@ impl<F: Real> Bxdf<F> for MicrofacetDielectric<F> {
     fn pdf(&self, wo: F::Vec3, wi: F::Vec3, _: TransportMode) -> F {
         let Some((sign, eta)) = self.side(wo).filter(|_| !self.is_smooth) else { return F::ZERO };
         let (wo, wi) = (wo * sign, wi * sign);
-        let share = |cos_theta_o: F| self.smooth.shares(&dielectric(cos_theta_o, eta));
         if is_above::<F>(wi) {
             let (pdf, cos2_theta_o) = self.distribution.reflection_pdf(wo, wi);
-            return pdf * share(cos2_theta_o.sqrt())[0];
+            return pdf * self.smooth.shares(&dielectric(cos2_theta_o.sqrt(), eta))[0];
         }
         let facet = is_above::<F>(-wi).then(|| RefractingFacet::between(wo, wi, eta)).flatten();
         facet.map_or(F::ZERO, |facet| {
-            self.distribution.transmission_pdf(wo, &facet) * share(facet.cos_theta_o)[1]
+            self.distribution.transmission_pdf(wo, &facet) * self.smooth.shares(&fresnel(&facet, eta))[1]
         })
     }
 

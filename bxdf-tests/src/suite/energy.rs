@@ -1,10 +1,11 @@
 //! The directional albedo, by cubature of `eval` and by the mean of the weights.
 
 use super::{Examination, PValue};
-use crate::claims::Energy;
+use crate::claims::{Claims, Energy};
+use crate::plan::Setting;
 use crate::specimen::Transport;
 use crate::statistics::{bernstein_reach, ln_bernstein_two_sided};
-use crate::survey::{Albedo, slack};
+use crate::survey::{Albedo, Survey, slack};
 use crate::verdict::{Check, Ledger, Witness};
 
 /// A difference of the two estimates that must not go unnoticed, as a fraction of the albedo. Weights without bound
@@ -22,28 +23,14 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     for surveyed in examination.surveys() {
         let setting = &surveyed.setting;
         // Power is what importance carries; radiance gains or loses η² on the way through a boundary.
-        let is_power = !claims.transmits || setting.transport == Transport::Importance;
-        if is_power && let Some(energy) = claims.energy {
-            let (most, least) = match energy {
-                Energy::Conserving => (1.0, 0.0),
-                Energy::Lossless { within } => (1.0 + within, 1.0 - within),
-                Energy::Exceeding { at_most } => (at_most, 0.0),
+        if !claims.transmits || setting.transport == Transport::Importance {
+            let is_within = |survey: &Survey| {
+                let mut ledger = Ledger::default();
+                check_albedo(claims, &mut ledger, setting, survey);
+                ledger.used() <= 1.0
             };
-            let lit = claims.two_sided || setting.wo[2] > 0.0;
-            let Albedo { value, error } = surveyed.survey.albedo();
-            for (albedo, error) in value.into_iter().zip(error) {
-                let (error, witness) = (error + slack, setting.witness());
-                let mut above =
-                    Check::new("directional albedo above its limit", albedo - most, error, witness);
-                above.inconclusive =
-                    (error > WORST_ERROR).then_some("the integral of f cos does not converge");
-                ledger.record(above);
-                if lit && least > 0.0 {
-                    let loss = least - albedo;
-                    ledger.record(Check::new("energy lost by a lossless specimen", loss, error, witness));
-                }
-                largest_albedo = largest_albedo.max(albedo - error);
-            }
+            let decisive = examination.decisive(surveyed, is_within);
+            largest_albedo = largest_albedo.max(check_albedo(claims, ledger, setting, decisive));
         }
         examination.judge(surveyed, ledger, |survey, tally| {
             let surveyed = survey.albedo();
@@ -80,4 +67,29 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
         let what = "distance of the largest albedo from exceeding 1, which is claimed";
         ledger.record(Check::new(what, 1.0 - largest_albedo, 0.0, Witness::default()));
     }
+}
+
+/// Checks the albedo of one direction; the largest that it certainly has, or 0 where nothing is claimed.
+fn check_albedo(claims: &Claims, ledger: &mut Ledger, setting: &Setting, survey: &Survey) -> f64 {
+    let is_lit = claims.two_sided || setting.wo[2] > 0.0;
+    let [most, least] = match claims.energy {
+        None => return 0.0,
+        Some(Energy::Conserving) => [1.0, 0.0],
+        Some(Energy::Lossless { within }) => [1.0 + within, if is_lit { 1.0 - within } else { 0.0 }],
+        Some(Energy::Exceeding { at_most }) => [at_most, 0.0],
+    };
+    let Albedo { value, error } = survey.albedo();
+    let mut largest: f64 = 0.0;
+    for (albedo, error) in value.into_iter().zip(error) {
+        let (error, witness) = (error + slack(claims.precision), setting.witness());
+        let mut above = Check::new("directional albedo above its limit", albedo - most, error, witness);
+        above.inconclusive = (error > WORST_ERROR).then_some("the integral of f cos does not converge");
+        ledger.record(above);
+        if least > 0.0 {
+            let loss = least - albedo;
+            ledger.record(Check::new("energy lost by a lossless specimen", loss, error, witness));
+        }
+        largest = largest.max(albedo - error);
+    }
+    largest
 }

@@ -10,7 +10,11 @@ const WORST_ERROR: f64 = 0.01;
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     let precision = examination.claims.precision;
     for surveyed in examination.surveys() {
-        let [none, error] = surveyed.survey.no_sample(precision);
+        let decisive = examination.decisive(surveyed, |survey| {
+            let [none, error] = survey.no_sample(precision);
+            -none <= error
+        });
+        let [none, error] = decisive.no_sample(precision);
         let witness = surveyed.setting.witness();
         let mut mass = Check::new("mass of the pdf and the deltas above 1", -none, error, witness);
         mass.inconclusive = (error > WORST_ERROR).then_some("the integral of the pdf does not converge");
