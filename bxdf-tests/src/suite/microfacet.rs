@@ -88,7 +88,7 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
 }
 
 /// Samples per setting.
-const SAMPLES: usize = 64;
+const SAMPLES: usize = 256;
 
 /// The lobe is made of these terms: visible normals are D G₁ (w·m) / cos θ, and f is F D G₂ / (4 cos θo cos θi) in
 /// reflection and [`transmitted`] in transmission, where the specimen claims a boundary.
