@@ -115,12 +115,6 @@ impl<F: Real> KullaContyDielectric<F> {
         }
     }
 
-    /// x and y: the shares of what single scattering loses that leave on the other side, from outside and from
-    /// inside.
-    pub fn crossing(&self) -> [F; 2] {
-        self.crossing
-    }
-
     /// 1 − R − T along a direction, and the side that it is on: 0 above, 1 below.
     #[inline]
     fn lost(&self, w: F::Vec3) -> Option<(F, usize)> {

@@ -15,14 +15,14 @@ use crate::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
 /// f = F_ms (1 − E(θo)) (1 − E(θi)) / (π (1 − Ē)) with E the albedo of single scattering at F = 1, Ē its cosine average,
 /// F_ms = F̄² Ē / (1 − F̄ (1 − Ē)) and F̄ the cosine average of F. Kulla & Conty, *Revisiting physically based shading at
 /// Imageworks*, SIGGRAPH 2017 course. Their F_ms has F̄ for F̄²; as every path here has two bounces at least, F̄² is
-/// nearer to a random walk: albedo within −0.044 … +0.001 for gold and chromium, against −0.006 … +0.091.
+/// nearer to a random walk: albedo within −0.044 … +0.001 for gold and chromium.
 ///
 /// # Sampling
 /// Cosine.
 ///
 /// # Limits
 /// E is tabulated when the lobe is made, averaged over the azimuth for an anisotropic distribution. With F = 1 the
-/// two lobes together return everything, to the error of the table (2e-4). The shape is that of a diffuser: directions
+/// two lobes together return everything, to the error of the table (8.1e-4). The shape is that of a diffuser: directions
 /// of higher orders are not followed.
 ///
 /// # Example

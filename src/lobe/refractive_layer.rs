@@ -47,7 +47,7 @@ pub struct Coat<F> {
 ///
 /// # Limits
 /// η = 1 leaves absorption only. Under a rough interface directions are not broadened: over metals an approximation
-/// (up to 0.1 of the albedo at α = 0.3). Tables average an anisotropic base over the azimuth. A base describes
+/// (up to 0.041 of the albedo at α = 0.1). Tables average an anisotropic base over the azimuth. A base describes
 /// scattering *inside* the layer: divide its complex index by η ([`crate::fresnel::Fresnel::immersed`]).
 ///
 /// # Example
