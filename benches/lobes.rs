@@ -36,17 +36,21 @@ fn pool<F: Real>() -> Vec<Vertex<F>> {
 
 fn vertices<F: Real>(bencher: Bencher<'_, '_>, lobe: &impl Bxdf<F>) {
     let pool = pool::<F>();
-    bencher.counter(ItemsCount::new(VERTICES)).bench_local(|| {
-        let mode = TransportMode::Radiance;
-        let mut sum = F::ZERO;
-        for &(wo, wi, [uc, u0, u1]) in black_box(&pool) {
-            sum += lobe.eval(wo, wi, mode)[0] + lobe.pdf(wo, wi, mode);
-            if let Some(sample) = lobe.sample(wo, uc, [u0, u1], mode) {
-                sum += sample.weight[0] + sample.wi.z();
-            }
+    bencher.counter(ItemsCount::new(VERTICES)).bench_local(|| path(lobe, black_box(&pool)));
+}
+
+/// A function of its own, as an integrator is: in a closure the compiler does not know that the lobe stays as it is.
+#[inline(never)]
+fn path<F: Real>(lobe: &impl Bxdf<F>, pool: &[Vertex<F>]) -> F {
+    let mode = TransportMode::Radiance;
+    let mut sum = F::ZERO;
+    for &(wo, wi, [uc, u0, u1]) in pool {
+        sum += lobe.eval(wo, wi, mode)[0] + lobe.pdf(wo, wi, mode);
+        if let Some(sample) = lobe.sample(wo, uc, [u0, u1], mode) {
+            sum += sample.weight[0] + sample.wi.z();
         }
-        sum
-    });
+    }
+    sum
 }
 
 fn rough<F: Real>(shape: Shape) -> Distribution<F> {

@@ -300,19 +300,28 @@ impl<F: Real> Fresnel<F> {
     }
 
     /// [`Self::reflectance`] at a cosine that is computed only where it matters.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn reflectance_at(&self, cos_theta_i: impl FnOnce() -> F) -> Rgb<F> {
         match *self {
             Self::Constant(reflectance) => reflectance,
-            Self::Dielectric { eta } => Rgb::splat(dielectric(cos_theta_i(), eta).reflectance.unpolarized()),
+            Self::Dielectric { eta } => Rgb::splat(dielectric_unpolarized(cos_theta_i(), eta)),
             Self::Conductor { eta, k } => {
                 let cos_theta_i = cos_theta_i();
-                Rgb(core::array::from_fn(|channel| {
-                    conductor(cos_theta_i, eta[channel], k[channel]).reflectance.unpolarized()
-                }))
+                Rgb([0, 1, 2].map(|channel| conductor_unpolarized(cos_theta_i, eta[channel], k[channel])))
             }
         }
     }
+}
+
+/// [`dielectric`] for unpolarised light; a call, so that lobes of constant reflectance stay small.
+#[inline(never)]
+fn dielectric_unpolarized<F: Real>(cos_theta_i: F, eta: F) -> F {
+    dielectric(cos_theta_i, eta).reflectance.unpolarized()
+}
+/// [`conductor`] for unpolarised light; a call as well.
+#[inline(never)]
+fn conductor_unpolarized<F: Real>(cos_theta_i: F, eta: F, k: F) -> F {
+    conductor(cos_theta_i, eta, k).reflectance.unpolarized()
 }
 
 /// A relative index of refraction that dielectric formulas accept.

@@ -49,6 +49,8 @@ pub struct Distribution<F> {
     /// 1 / αx and 1 / αy.
     inverse_alpha: [F; 2],
     is_smooth: bool,
+    /// A rough surface of GGX with height-correlated masking, what scenes use most.
+    is_rough_ggx: bool,
     /// D(n): 1 / (π αx αy), but for the Gaussian.
     peak: F,
 }
@@ -103,7 +105,8 @@ impl<F: Real> Distribution<F> {
             }
         };
         let inverse_alpha = [F::ONE / alpha_x, F::ONE / alpha_y];
-        Ok(Self { shape, shadowing, alpha_x, alpha_y, inverse_alpha, is_smooth, peak })
+        let is_rough_ggx = shape == Shape::Ggx && !is_smooth;
+        Ok(Self { shape, shadowing, alpha_x, alpha_y, inverse_alpha, is_smooth, is_rough_ggx, peak })
     }
 
     /// The same normals with another masking–shadowing.
@@ -114,13 +117,15 @@ impl<F: Real> Distribution<F> {
         if self.shape == Shape::Gaussian && shadowing != Shadowing::VCavity {
             return Err(NoSmithForm);
         }
-        Ok(Self { shadowing, ..self })
+        let is_correlated = shadowing == Shadowing::SmithCorrelated;
+        let is_rough_ggx = self.shape == Shape::Ggx && is_correlated && !self.is_smooth;
+        Ok(Self { shadowing, is_rough_ggx, ..self })
     }
 
     /// The same distribution in double precision, for integrals: what a nearly smooth surface loses is less than the
     /// rounding of single precision.
     pub(crate) fn to_f64(self) -> Distribution<f64> {
-        let Self { shape, shadowing, alpha_x, alpha_y, inverse_alpha, is_smooth, peak } = self;
+        let Self { shape, shadowing, alpha_x, alpha_y, inverse_alpha, is_smooth, is_rough_ggx, peak } = self;
         Distribution {
             shape,
             shadowing,
@@ -128,6 +133,7 @@ impl<F: Real> Distribution<F> {
             alpha_y: alpha_y.to_f64(),
             inverse_alpha: inverse_alpha.map(F::to_f64),
             is_smooth,
+            is_rough_ggx,
             peak: peak.to_f64(),
         }
     }
@@ -162,23 +168,31 @@ impl<F: Real> Distribution<F> {
     /// Written over the components of `m`: the form over n·m alone is wrong by 7 % in `f32` at α = 1e-3.
     #[inline]
     pub fn d(&self, m: F::Vec3) -> F {
-        self.density(m, F::ONE)
+        if m.z() > F::ZERO { F::TWO * self.half_density(self.unstretch(m), F::ONE) } else { F::ZERO }
     }
 
-    /// D in the direction of a vector of the given squared length.
+    /// ½ D at a normal above the surface, of any length: as it is at unit roughness, and its squared length at this one.
     #[inline(always)]
-    fn density(&self, m: F::Vec3, length_squared: F) -> F {
-        if m.z() <= F::ZERO {
-            return F::ZERO;
-        }
-        let (x, y) = (m.x() * self.inverse_alpha[0], m.y() * self.inverse_alpha[1]);
-        let stretched = x * x + y * y;
-        self.peak
-            * match self.shape {
-                Shape::Ggx => ggx::density(stretched, m.z(), length_squared),
-                Shape::Beckmann => beckmann::density(stretched, m.z(), length_squared),
-                Shape::Gaussian => gaussian::density(stretched, sin2_theta::<F>(m), m.z()),
-            }
+    fn half_density(&self, unit: F::Vec3, length_squared: F) -> F {
+        let (stretched, z) = (sin2_theta::<F>(unit), unit.z());
+        let relative = match self.shape {
+            Shape::Ggx => ggx::density(stretched, z, length_squared),
+            Shape::Beckmann => beckmann::density(stretched, z, length_squared),
+            Shape::Gaussian => gaussian::density(stretched, sin2_theta::<F>(self.stretch(unit)), z),
+        };
+        F::HALF * self.peak * relative
+    }
+
+    /// A direction, or a normal from unit roughness to this one.
+    #[inline(always)]
+    fn stretch(&self, w: F::Vec3) -> F::Vec3 {
+        stretch::<F>(w, self.alpha_x, self.alpha_y)
+    }
+
+    /// A normal from this roughness to unit roughness.
+    #[inline(always)]
+    fn unstretch(&self, m: F::Vec3) -> F::Vec3 {
+        stretch::<F>(m, self.inverse_alpha[0], self.inverse_alpha[1])
     }
 
     /// σ(w): area of the micro surface that the unit vector `w` sees, per unit of macro surface, after Smith.
@@ -186,8 +200,7 @@ impl<F: Real> Distribution<F> {
     /// Positive for directions below the horizon as well, where it is what a ray inside the micro surface sees.
     #[inline(always)]
     pub fn projected_area(&self, w: F::Vec3) -> F {
-        let (x, y) = (self.alpha_x * w.x(), self.alpha_y * w.y());
-        let s_squared = x * x + y * y;
+        let s_squared = sin2_theta::<F>(self.stretch(w));
         match self.shape {
             Shape::Beckmann => beckmann::projected_area(w.z(), s_squared),
             // No constructor gives a Gaussian Smith's masking.
@@ -195,10 +208,20 @@ impl<F: Real> Distribution<F> {
         }
     }
 
+    /// σ(w) + σ(−w) = 2 σ(w) − cos θ: what `w` sees of the micro surface from both sides, for `w` above it.
+    #[inline(always)]
+    fn two_sided_area(&self, w: F::Vec3) -> F {
+        let s_squared = sin2_theta::<F>(self.stretch(w));
+        match self.shape {
+            Shape::Beckmann => F::TWO * beckmann::projected_area(w.z(), s_squared) - w.z(),
+            Shape::Ggx | Shape::Gaussian => ggx::two_sided_area(w.z(), s_squared),
+        }
+    }
+
     /// Smith's Λ(w) = σ(w) / cos θ − 1, for `w` above the surface; `None` for V-cavities.
     #[inline]
     pub fn lambda(&self, w: F::Vec3) -> Option<F> {
-        let s_squared = sin2_theta::<F>(stretch::<F>(w, self.alpha_x, self.alpha_y));
+        let s_squared = sin2_theta::<F>(self.stretch(w));
         match (self.shadowing, self.shape) {
             (Shadowing::VCavity, _) | (_, Shape::Gaussian) => None,
             (_, Shape::Ggx) => Some(ggx::lambda(w.z(), s_squared)),
@@ -288,22 +311,20 @@ impl<F: Real> Distribution<F> {
     /// Gaussian normal falls below the horizon.
     #[inline(always)]
     pub fn sample_visible(&self, w: F::Vec3, uc: F, u: [F; 2]) -> Option<(F::Vec3, F)> {
-        self.sample_facet(w, uc, u).map(|(facet, uc)| (facet.normalize(), uc))
-    }
-
-    /// [`Self::sample_visible`] without making the normal a unit vector.
-    #[inline(always)]
-    fn sample_facet(&self, w: F::Vec3, uc: F, u: [F; 2]) -> Option<(F::Vec3, F)> {
         if self.shadowing == Shadowing::VCavity {
             return self.sample_wall(w, uc, u);
         }
-        // A distribution stretched by α is the unit-roughness one, seen from the stretched direction.
-        let stretched = stretch::<F>(w, self.alpha_x, self.alpha_y);
-        let m = match self.shape {
-            Shape::Beckmann => beckmann::sample_visible_unit::<F>(stretched.normalize(), u),
-            Shape::Ggx | Shape::Gaussian => ggx::sample_visible_unit::<F>(stretched, u),
-        };
-        Some((stretch::<F>(m, self.alpha_x, self.alpha_y), uc))
+        Some((self.stretch(self.sample_unit(w, u)).normalize(), uc))
+    }
+
+    /// A visible normal of any length, as it is at unit roughness: a distribution stretched by α is the one of unit
+    /// roughness, seen from the stretched direction.
+    #[inline(always)]
+    fn sample_unit(&self, w: F::Vec3, u: [F; 2]) -> F::Vec3 {
+        match self.shape {
+            Shape::Beckmann => beckmann::sample_visible_unit::<F>(self.stretch(w).normalize(), u),
+            Shape::Ggx | Shape::Gaussian => ggx::sample_visible_unit::<F>(self.stretch(w), u),
+        }
     }
 
     #[inline(never)]
@@ -327,6 +348,16 @@ impl<F: Real> Distribution<F> {
         Some(if uc < share { (m, uc / share) } else { (mirrored, (uc - share) / (F::ONE - share)) })
     }
 
+    /// The same distribution with its kind known to the compiler, if it is a rough surface of GGX with height-correlated
+    /// masking: a lobe then compiles the path that scenes take most without branches for the others.
+    #[inline(always)]
+    pub(crate) fn as_rough_ggx(&self) -> Option<Self> {
+        if !self.is_rough_ggx {
+            return None;
+        }
+        Some(Self { shape: Shape::Ggx, shadowing: Shadowing::SmithCorrelated, is_smooth: false, ..*self })
+    }
+
     /// Reflection from `wo` into `wi`, both above the surface, about h = (wo + wi) / |wo + wi|:
     /// D(h) G₂ / (4 cos θo cos θi).
     ///
@@ -336,112 +367,78 @@ impl<F: Real> Distribution<F> {
         let sum = wo + wi;
         let length_squared = sum.dot(sum);
         let cos2_theta_o = length_squared * (F::HALF * F::HALF);
-        match self.as_ggx() {
-            Some(ggx) => ggx.reflect_off(wo, wi, sum, length_squared, cos2_theta_o),
-            None => self.reflect_off_any(wo, wi, sum, length_squared, cos2_theta_o),
+        if self.shadowing == Shadowing::VCavity {
+            return self.reflect_off_wall(wo, wi, sum.normalize(), cos2_theta_o);
         }
+        self.reflect_off(wo, wi, self.half_density(self.unstretch(sum), length_squared), cos2_theta_o)
     }
 
     /// The density of [`Self::reflection`] alone, and the squared cosine between `wo` and h.
-    #[inline]
+    #[inline(always)]
     pub fn reflection_pdf(&self, wo: F::Vec3, wi: F::Vec3) -> (F, F) {
         let sum = wo + wi;
         let length_squared = sum.dot(sum);
         let cos2_theta_o = length_squared * (F::HALF * F::HALF);
         if self.shadowing == Shadowing::VCavity {
-            let facet = self.reflect_off_any(wo, wi, sum, length_squared, cos2_theta_o);
-            return (facet.pdf, cos2_theta_o);
+            return (self.reflect_off_wall(wo, wi, sum.normalize(), cos2_theta_o).pdf, cos2_theta_o);
         }
-        let quarter_d = self.density(sum, length_squared) * (F::HALF * F::HALF);
-        (quarter_d / self.projected_area(wo), cos2_theta_o)
-    }
-
-    /// The same distribution with its kind known to the compiler, if it is GGX with height-correlated masking: the
-    /// path that scenes take most then has no branches but its own.
-    #[inline(always)]
-    fn as_ggx(&self) -> Option<Self> {
-        let is_ggx = self.shape == Shape::Ggx && self.shadowing == Shadowing::SmithCorrelated;
-        is_ggx.then_some(Self { shape: Shape::Ggx, shadowing: Shadowing::SmithCorrelated, ..*self })
+        let half_d = self.half_density(self.unstretch(sum), length_squared);
+        (half_d / (self.two_sided_area(wo) + wo.z()), cos2_theta_o)
     }
 
     /// Reflects `wo` about a normal from [`Self::sample_visible`]; `None` where that leads into the surface.
     #[inline(always)]
     pub fn sample_reflection(&self, wo: F::Vec3, uc: F, u: [F; 2]) -> Option<(F::Vec3, FacetScattering<F>)> {
-        match self.as_ggx() {
-            Some(ggx) => ggx.sample_reflection_inline(wo, uc, u),
-            None => self.sample_reflection_any(wo, uc, u),
-        }
-    }
-
-    #[inline(never)]
-    fn sample_reflection_any(&self, wo: F::Vec3, uc: F, u: [F; 2]) -> Option<(F::Vec3, FacetScattering<F>)> {
-        self.sample_reflection_inline(wo, uc, u)
-    }
-
-    #[inline(never)]
-    fn reflect_off_any(
-        &self,
-        wo: F::Vec3,
-        wi: F::Vec3,
-        facet: F::Vec3,
-        length_squared: F,
-        cos2_theta_o: F,
-    ) -> FacetScattering<F> {
-        self.reflect_off(wo, wi, facet, length_squared, cos2_theta_o)
-    }
-
-    #[inline(always)]
-    fn sample_reflection_inline(
-        &self,
-        wo: F::Vec3,
-        uc: F,
-        u: [F; 2],
-    ) -> Option<(F::Vec3, FacetScattering<F>)> {
-        let (facet, _) = self.sample_facet(wo, uc, u)?;
-        let (length_squared, along) = (facet.dot(facet), wo.dot(facet).max(F::ZERO));
+        let (facet, unit) = if self.shadowing == Shadowing::VCavity {
+            let (m, _) = self.sample_wall(wo, uc, u)?;
+            (m, self.unstretch(m))
+        } else {
+            let unit = self.sample_unit(wo, u);
+            (self.stretch(unit), unit)
+        };
+        let (length_squared, along) = (facet.dot(facet), wo.dot(facet));
         let scale = along / length_squared;
-        let wi = facet * (F::TWO * scale) - wo;
-        is_above::<F>(wi).then(|| {
-            let cos2_theta_o = along * scale;
-            (wi, self.reflect_off(wo, wi, facet, length_squared, cos2_theta_o))
-        })
+        // The facet is doubled and not its scale, which is known later.
+        let wi = (facet + facet) * scale - wo;
+        if !is_above::<F>(wi) {
+            return None;
+        }
+        let cos2_theta_o = along * scale;
+        if self.shadowing == Shadowing::VCavity {
+            return Some((wi, self.reflect_off_wall(wo, wi, facet, cos2_theta_o)));
+        }
+        Some((wi, self.reflect_off(wo, wi, self.half_density(unit, length_squared), cos2_theta_o)))
     }
 
     /// [`Self::reflection`] about a facet `m` that was sampled.
     #[inline(always)]
     pub fn reflection_about(&self, wo: F::Vec3, wi: F::Vec3, m: F::Vec3) -> FacetScattering<F> {
-        self.reflect_off(wo, wi, m, F::ONE, wo.dot(m).max(F::ZERO).squared())
-    }
-
-    /// Smith, height-correlated: D / (4 (σ_o cos θi + σ_i cos θo − cos θo cos θi)) (Heitz, *JCGT* 3(2), 2014,
-    /// equation 99, <https://jcgt.org/published/0003/02/03/>); separable: D / (4 σ_o σ_i). The density is D / (4 σ_o).
-    #[inline(always)]
-    fn reflect_off(
-        &self,
-        wo: F::Vec3,
-        wi: F::Vec3,
-        facet: F::Vec3,
-        length_squared: F,
-        cos2_theta_o: F,
-    ) -> FacetScattering<F> {
+        let cos2_theta_o = wo.dot(m).max(F::ZERO).squared();
         if self.shadowing == Shadowing::VCavity {
-            let m = facet * (F::ONE / length_squared.sqrt());
             return self.reflect_off_wall(wo, wi, m, cos2_theta_o);
         }
-        let quarter_d = self.density(facet, length_squared) * (F::HALF * F::HALF);
-        let sigma_o = self.projected_area(wo);
-        let sigma_i = self.projected_area(wi);
-        let denominator = if self.shadowing == Shadowing::SmithCorrelated {
-            // Each term is positive, as σ ≥ cos θ.
-            sigma_i * wo.z() + (sigma_o - wo.z()) * wi.z()
+        self.reflect_off(wo, wi, self.half_density(self.unstretch(m), F::ONE), cos2_theta_o)
+    }
+
+    /// Smith, over A = σ(w) + σ(−w), so that 2σ = A + cos θ: height-correlated D / (2 (A_i cos θo + A_o cos θi)) (Heitz,
+    /// *JCGT* 3(2), 2014, equation 99, <https://jcgt.org/published/0003/02/03/>), separable D / (4 σ_o σ_i). The density
+    /// is D / (4 σ_o).
+    #[inline(always)]
+    fn reflect_off(&self, wo: F::Vec3, wi: F::Vec3, half_d: F, cos2_theta_o: F) -> FacetScattering<F> {
+        let (area_o, area_i) = (self.two_sided_area(wo), self.two_sided_area(wi));
+        let seen_o = area_o + wo.z();
+        let lit = seen_o * wi.z();
+        let denominator = if self.shadowing == Shadowing::SmithSeparable {
+            F::HALF * seen_o * (area_i + wi.z())
         } else {
-            sigma_o * sigma_i
+            // The difference is A_o cos θi and not smaller than what is subtracted. It spares keeping A_o, whose register
+            // would make the square root of a loop's next sample wait for this one.
+            area_i * wo.z() + (lit - wo.z() * wi.z())
         };
-        let inverse = F::ONE / denominator;
         FacetScattering {
-            value: quarter_d * inverse,
-            pdf: quarter_d / sigma_o,
-            weight: sigma_o * wi.z() * inverse,
+            value: half_d / denominator,
+            pdf: half_d / seen_o,
+            weight: lit / denominator,
             cos2_theta_o,
         }
     }

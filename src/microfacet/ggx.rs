@@ -11,9 +11,15 @@ pub(super) fn density<F: Real>(stretched: F, z: F, length_squared: F) -> F {
 /// σ = ½ (z + √(z² + s²)); below the horizon the same without cancellation.
 #[inline]
 pub(super) fn projected_area<F: Real>(z: F, s_squared: F) -> F {
-    // In this order it is the length of the stretched direction, which a sampler has computed already.
-    let root = (s_squared + z * z).sqrt();
+    let root = two_sided_area(z, s_squared);
     if z >= F::ZERO { F::HALF * (z + root) } else { F::HALF * s_squared / (root - z) }
+}
+
+/// σ(w) + σ(−w) = √(z² + s²): the length of the stretched direction, which the sampler needs too; written once, so that
+/// it is computed once.
+#[inline]
+pub(super) fn two_sided_area<F: Real>(z: F, s_squared: F) -> F {
+    (s_squared + z * z).sqrt()
 }
 
 /// Λ = ½ t / (1 + √(1 + t)), t = s²/z²; ½ (√(1 + t) − 1) cancels at normal incidence.
@@ -31,7 +37,7 @@ pub(super) fn lambda<F: Real>(z: F, s_squared: F) -> F {
 #[inline(always)]
 pub(super) fn sample_visible_unit<F: Real>(s: F::Vec3, [u0, u1]: [F; 2]) -> F::Vec3 {
     let horizontal = s.x() * s.x() + s.y() * s.y();
-    let length = (horizontal + s.z() * s.z()).sqrt();
+    let length = two_sided_area(s.z(), horizontal);
     let height = if s.z() >= F::ZERO { length + s.z() } else { horizontal / (length - s.z()) };
     let below = u0 * height;
     let radius = (below * (length + length - below)).sqrt();
