@@ -515,17 +515,24 @@ pub struct RefractingFacet<F: Real> {
 }
 
 impl<F: Real> RefractingFacet<F> {
-    /// The facet between `wo` above the surface and `wi` below it, where the index of refraction is `eta` times that
-    /// above: m = ±(wo + η wi) / |wo + η wi|. `None` where no facet does that.
+    /// The facet between `wo` and `wi` on the two sides of a boundary, turned so that `wo` lies above, where the index of
+    /// refraction is `eta` times that above: m = ±(wo + η wi) / |wo + η wi|. `None` where no facet does that.
+    ///
+    /// `from_above` is false where `wo` came from below and was turned: `eta` is then that of the boundary as it was, so
+    /// that both directions of light see the same facet. Between nearly matched media 1/η would not do, because it does not
+    /// have the digits of η − 1.
     #[inline]
-    pub fn between(wo: F::Vec3, wi: F::Vec3, eta: F) -> Option<Self> {
-        let sum = F::Vec3::new(wo.x() + eta * wi.x(), wo.y() + eta * wi.y(), Self::height(wo, wi, eta));
+    pub fn between(wo: F::Vec3, wi: F::Vec3, eta: F, from_above: bool) -> Option<Self> {
+        let (above, below) = if from_above { (wo, wi) } else { (-wi, -wo) };
+        let height = Self::height(above, below, eta);
+        let sum = F::Vec3::new(above.x() + eta * below.x(), above.y() + eta * below.y(), height);
         let m = sum.normalize();
         let m = if m.z() < F::ZERO { -m } else { m };
         let (cos_theta_o, cos_theta_t) = (wo.dot(m), -wi.dot(m));
         let faces_both = cos_theta_o > F::ZERO && cos_theta_t > F::ZERO && m.z() > F::ZERO;
-        // wo·m + η wi·m is the length of the sum, because m has its direction.
-        let jacobian = cos_theta_t * eta * eta / sum.dot(sum);
+        // wo·m + η wi·m is the length of the sum, because m has its direction; from below η times that.
+        let squeezed = if from_above { eta * eta } else { F::ONE };
+        let jacobian = cos_theta_t * squeezed / sum.dot(sum);
         faces_both.then_some(Self { m, cos_theta_o, cos_theta_t, jacobian })
     }
 
@@ -543,12 +550,18 @@ impl<F: Real> RefractingFacet<F> {
         difference - (eta - F::ONE) * cos_theta_i
     }
 
-    /// The facet of the sampled normal `m`, with its cosines on both sides.
+    /// The facet of the sampled normal `m`, with its cosines on both sides; `eta` and `from_above` as for
+    /// [`Self::between`].
     #[inline]
-    pub fn sampled(m: F::Vec3, cos_theta_o: F, cos_theta_t: F, eta: F) -> Self {
+    pub fn sampled(m: F::Vec3, cos_theta_o: F, cos_theta_t: F, eta: F, from_above: bool) -> Self {
         // |wo + η wi| = |cos θo − η cos θt| = |η² − 1| / (cos θo + η cos θt), which does not cancel.
-        let inverse_length = (cos_theta_o + eta * cos_theta_t) / ((eta - F::ONE) * (eta + F::ONE));
-        Self { m, cos_theta_o, cos_theta_t, jacobian: cos_theta_t * (eta * inverse_length).squared() }
+        let sum = if from_above {
+            eta * (cos_theta_o + eta * cos_theta_t)
+        } else {
+            eta * cos_theta_o + cos_theta_t
+        };
+        let bend = (eta - F::ONE) * (eta + F::ONE);
+        Self { m, cos_theta_o, cos_theta_t, jacobian: cos_theta_t * (sum / bend).squared() }
     }
 }
 
@@ -584,8 +597,8 @@ mod tests {
         let eta = 1.0001_f32;
         for sine in [1e-6, 3e-5, 1e-4, 2e-4, 1e-3] {
             let wi = glam::DVec3::new(sine, 0.0, -f64::sqrt(1.0 - sine * sine));
-            let single = RefractingFacet::between(glam::Vec3::Z, wi.as_vec3(), eta).unwrap();
-            let double = RefractingFacet::between(glam::DVec3::Z, wi, f64::from(eta)).unwrap();
+            let single = RefractingFacet::between(glam::Vec3::Z, wi.as_vec3(), eta, true).unwrap();
+            let double = RefractingFacet::between(glam::DVec3::Z, wi, f64::from(eta), true).unwrap();
             let error = (single.m.as_dvec3() - double.m).length();
             assert!(error < 1e-5, "{sine}: {error:e}");
             let ratio = f64::from(single.jacobian) / double.jacobian;

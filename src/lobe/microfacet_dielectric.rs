@@ -117,7 +117,7 @@ impl<F: Real> MicrofacetDielectric<F> {
                 let wi = refract::<F>(wo, wm, cos_theta_o, &boundary, eta);
                 let transmittance = boundary.transmittance.unpolarized();
                 if is_above::<F>(-wi) && transmittance > F::ZERO {
-                    let facet = RefractingFacet::sampled(wm, cos_theta_o, boundary.cos_theta_t, eta);
+                    let facet = RefractingFacet::sampled(wm, cos_theta_o, boundary.cos_theta_t, self.eta(), side > 0.0);
                     let facet = self.distribution.transmission(wo, wi, &facet);
                     sums.transmitted += share * (transmittance * facet.weight).to_f64();
                 }
@@ -136,6 +136,12 @@ impl<F: Real> MicrofacetDielectric<F> {
         } else {
             None
         }
+    }
+
+    /// The facet that refracts `wo` into `wi`, both turned by `sign` so that `wo` lies above.
+    #[inline]
+    fn facet_between(&self, wo: F::Vec3, wi: F::Vec3, sign: F) -> Option<RefractingFacet<F>> {
+        is_above::<F>(-wi).then(|| RefractingFacet::between(wo, wi, self.eta(), sign > F::ZERO)).flatten()
     }
 }
 
@@ -181,9 +187,7 @@ impl<F: Real> Bxdf<F> for MicrofacetDielectric<F> {
             let reflectance = dielectric(facet.cos_theta_o(), eta).reflectance.unpolarized();
             return self.smooth.tints()[0] * (reflectance * facet.value);
         }
-        let Some(facet) = is_above::<F>(-wi).then(|| RefractingFacet::between(wo, wi, eta)).flatten() else {
-            return Rgb::BLACK;
-        };
+        let Some(facet) = self.facet_between(wo, wi, sign) else { return Rgb::BLACK };
         let transmittance = fresnel(&facet, eta).transmittance.unpolarized();
         let value = self.distribution.transmission(wo, wi, &facet).value;
         self.smooth.tints()[1] * (transmittance * value * squeeze(eta, mode))
@@ -197,8 +201,7 @@ impl<F: Real> Bxdf<F> for MicrofacetDielectric<F> {
             let (pdf, cos2_theta_o) = self.distribution.reflection_pdf(wo, wi);
             return pdf * self.smooth.shares(&dielectric(cos2_theta_o.sqrt(), eta))[0];
         }
-        let facet = is_above::<F>(-wi).then(|| RefractingFacet::between(wo, wi, eta)).flatten();
-        facet.map_or(F::ZERO, |facet| {
+        self.facet_between(wo, wi, sign).map_or(F::ZERO, |facet| {
             self.distribution.transmission_pdf(wo, &facet) * self.smooth.shares(&fresnel(&facet, eta))[1]
         })
     }
@@ -232,7 +235,7 @@ impl<F: Real> Bxdf<F> for MicrofacetDielectric<F> {
         if !is_above::<F>(-wi) || transmitted <= F::ZERO {
             return None;
         }
-        let facet = RefractingFacet::sampled(wm, cos_theta_o, boundary.cos_theta_t, eta);
+        let facet = RefractingFacet::sampled(wm, cos_theta_o, boundary.cos_theta_t, self.eta(), sign > F::ZERO);
         let facet = self.distribution.transmission(wo, wi, &facet);
         let transmittance = boundary.transmittance.unpolarized() / transmitted * squeeze(eta, mode);
         Some(BxdfSample {
