@@ -9,7 +9,9 @@ mod merge;
 mod output;
 mod plot;
 mod progress;
+mod replay;
 mod report;
+mod self_check;
 mod verify;
 
 use std::io::{ErrorKind, Write as _};
@@ -48,6 +50,8 @@ enum Verb {
     Verify(verify::Options),
     /// Puts the parts of a run together
     Merge(merge::Options),
+    /// Runs a saved violation again
+    Replay(replay::Options),
     /// Draws one figure and writes its numbers beside it
     #[command(subcommand)]
     Plot(plot::Kind),
@@ -73,9 +77,15 @@ pub(crate) struct Run {
     /// Run seed: with the names of the specimens it fixes every random number
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
-    /// Random samples per direction and transport mode
-    #[arg(long, default_value_t = bxdf_tests::Plan::DEFAULT_SAMPLES, value_name = "N", value_parser = samples)]
-    samples: usize,
+    /// Random samples per direction and transport mode [default: 65536; of a self-check 32768]
+    #[arg(long, value_name = "N", value_parser = samples)]
+    samples: Option<usize>,
+}
+
+impl Run {
+    fn samples(&self) -> usize {
+        self.samples.unwrap_or(bxdf_tests::Plan::DEFAULT_SAMPLES)
+    }
 }
 
 fn samples(text: &str) -> Result<usize, String> {
@@ -123,7 +133,10 @@ gonio verifies materials and BxDFs.
   gonio report --check                    does reports/ still say what would be written?
   gonio verify                            every specimen against every suite
   gonio verify rough_conductor            one family;  gonio list  names them all
+  gonio verify --self-check               planted bugs: does every suite find what it must?
   gonio verify --shard 1/4 --output json=1.json   a quarter of the run;  gonio merge *.json  makes it whole
+  gonio verify planted/density_without_the_jacobian   what a violation says
+  gonio replay FILE                       runs a violation that was saved in gonio-regressions/ again
   gonio plot fresnel                      the thesis's Figure 5 as fresnel.svg and fresnel.csv
   gonio plot fresnel gold/Johnson-1972    the same for data sets or CSV files of your choice
   gonio ior list                          measured optical constants
@@ -161,6 +174,7 @@ fn run_verb(verb: Verb, general: &General) -> Result<ExitCode, Failure> {
         Verb::List(options) => list::run(&options),
         Verb::Verify(options) => verify::run(&options, general),
         Verb::Merge(options) => merge::run(&options),
+        Verb::Replay(options) => replay::run(&options),
         Verb::Plot(kind) => plot::run(&kind),
         Verb::Ior(verb) => ior::run(&verb),
         Verb::Report(options) => report::run(&options, general),

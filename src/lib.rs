@@ -11,7 +11,7 @@
 //! | floor | modules |
 //! |---|---|
 //! | 5 | [`record`], [`report`] |
-//! | 4 | [`specimen`]; `bxdf_tests` is named from here up only |
+//! | 4 | [`specimen`], [`planted`]; `bxdf_tests` is named from here up only |
 //! | 2 | [`bxdf`], [`lobe`], [`stack`] |
 //! | 1 | [`fresnel`], [`microfacet`], [`ior`] |
 //! | 0 | [`real`], [`frame`], [`warp`], [`rgb`], [`special`], [`parameter`], `quadrature`, `table` |
@@ -40,6 +40,7 @@ pub mod ior;
 pub mod lobe;
 pub mod microfacet;
 pub mod parameter;
+pub mod planted;
 mod quadrature;
 pub mod real;
 pub mod record;

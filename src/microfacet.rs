@@ -138,6 +138,11 @@ impl<F: Real> Distribution<F> {
         }
     }
 
+    /// The shape.
+    pub fn shape(&self) -> Shape {
+        self.shape
+    }
+
     /// `true` if the roughness is too small to be resolved: lobes are then Dirac deltas.
     pub fn is_smooth(&self) -> bool {
         self.is_smooth

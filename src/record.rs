@@ -14,7 +14,7 @@ use bxdf_tests::{Claims, FAMILY_ERROR_RATE, Plan, Specimen, Suite, Verdict};
 use serde::{Deserialize, Serialize};
 
 /// The form of the file; a change of its fields changes the number.
-const SCHEMA: &str = "gonio-verdicts/2";
+const SCHEMA: &str = "gonio-verdicts/3";
 
 /// Verdicts with everything that they rest on: `verdicts.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -247,7 +247,7 @@ mod tests {
             Some(shard) => shard.of(specimens),
         };
         let suites = [Suite::Weight, Suite::Reciprocal];
-        let verdicts = verify(&mine, &suites, &plan, &|_, _| ());
+        let verdicts = verify(&mine, &suites, &plan, &|_| (), &|_, _| ());
         RunRecord::new(&plan, &suites, shard, mine.iter().map(|specimen| &**specimen), verdicts)
     }
 
@@ -298,9 +298,9 @@ mod tests {
         assert!(
             RunRecord::read(&path).unwrap_err().to_string().contains("is no record of a run, or damaged")
         );
-        fs::write(&path, text.replace(SCHEMA, "gonio-verdicts/1")).unwrap();
+        fs::write(&path, text.replace(SCHEMA, "gonio-verdicts/2")).unwrap();
         let error = RunRecord::read(&path).unwrap_err().to_string();
-        assert!(error.contains("is written by gonio 0.1.0 (gonio-verdicts/1)"), "{error}");
+        assert!(error.contains("is written by gonio 0.1.0 (gonio-verdicts/2)"), "{error}");
     }
 
     #[test]

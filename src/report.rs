@@ -13,10 +13,12 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use bxdf_tests::{Plan, Specimen, Suite, Verdict};
+use serde::Serialize;
 
 use crate::ior::{IorError, Table, builtin};
+use crate::planted::{PlantedBug, SelfCheck, Suites};
 use crate::record::RunRecord;
-use crate::specimen::verify;
+use crate::specimen::{CatalogueError, verify};
 pub use compare::Difference;
 pub use figure::FresnelFigure;
 
@@ -39,6 +41,9 @@ pub enum ReportError {
     /// Optical constants are missing.
     #[error(transparent)]
     Ior(#[from] IorError),
+    /// A specimen of the self-check cannot be built.
+    #[error(transparent)]
+    Specimen(#[from] CatalogueError),
     /// More curves than can be told apart.
     #[error("{given} data sets given: more than {most} cannot be told apart")]
     TooManyCurves {
@@ -63,15 +68,32 @@ pub enum ReportError {
     },
 }
 
+/// `planted.json`.
+#[derive(Serialize)]
+struct SelfCheckFile<'a> {
+    schema: &'static str,
+    gonio: &'static str,
+    #[serde(flatten)]
+    check: &'a SelfCheck,
+}
+
+/// A self-check as JSON.
+pub fn self_check_json(check: &SelfCheck) -> Result<String, serde_json::Error> {
+    let file = SelfCheckFile { schema: "gonio-planted-bugs/1", gonio: env!("CARGO_PKG_VERSION"), check };
+    serde_json::to_string_pretty(&file).map(|text| text + "\n")
+}
+
 /// A report in memory: file names with their contents.
 pub struct Report {
     files: Vec<(&'static str, String)>,
     /// The verdicts that it shows.
     pub verdicts: Vec<Verdict>,
+    /// The planted bugs that it shows.
+    pub self_check: SelfCheck,
 }
 
 impl Report {
-    /// Runs all suites on the specimens and draws the figures.
+    /// Runs all suites on the specimens and on the planted bugs, and draws the figures.
     pub fn new(
         specimens: &[Box<dyn Specimen>],
         plan: &Plan,
@@ -80,9 +102,17 @@ impl Report {
         let tables: Vec<Table> = FIGURE_5.into_iter().map(builtin).collect::<Result<_, _>>()?;
         let figure = FresnelFigure::new(&tables, SODIUM_D_NM)?;
         let svg = figure.svg()?;
-        let verdicts = verify(specimens, Suite::ALL, plan, finished);
-        let page =
-            page::html(&page::Contents { specimens, plan, verdicts: &verdicts, figure: &figure, svg: &svg })?;
+        let verdicts = verify(specimens, Suite::ALL, plan, &|_| (), finished);
+        let samples = plan.samples.min(PlantedBug::SAMPLES);
+        let self_check = SelfCheck::run(plan.run_seed, 1, samples, Suites::All, &|| ())?;
+        let page = page::html(&page::Contents {
+            specimens,
+            plan,
+            verdicts: &verdicts,
+            self_check: &self_check,
+            figure: &figure,
+            svg: &svg,
+        })?;
         let examined = specimens.iter().map(|specimen| &**specimen);
         let record = RunRecord::new(plan, Suite::ALL, None, examined, verdicts);
         let files = vec![
@@ -90,8 +120,9 @@ impl Report {
             ("fresnel.svg", svg),
             ("fresnel.csv", figure.csv()?),
             ("verdicts.json", record.json()?),
+            ("planted.json", self_check_json(&self_check)?),
         ];
-        Ok(Self { files, verdicts: record.verdicts })
+        Ok(Self { files, verdicts: record.verdicts, self_check })
     }
 
     /// Writes every file into `folder`, which is made if need be.

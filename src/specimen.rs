@@ -11,16 +11,19 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bxdf_tests::{
-    Boundary, Claims, Direction, Energy, Examination, Measure, Microsurface, Plan, Precision, Scatter, Suite,
-    Transport, Verdict,
+    Boundary, Claims, Direction, Energy, Examination, Family, Measure, Microsurface, Outcome, Parameter,
+    Plan, Precision, Scale, Scatter, Suite, Transport, Verdict,
 };
 use rayon::prelude::*;
 
 use crate::bxdf::{Bxdf, Pdf, TransportMode};
 use crate::fresnel::{self, Fresnel, Polarized};
 use crate::ior;
-use crate::lobe::{LayerError, Lobe, LobeKind, OrenNayarModel};
-use crate::microfacet::{Distribution, NoSmithForm};
+use crate::lobe::{
+    DielectricSpecular, LayerError, Lobe, LobeKind, MicrofacetDielectric, MicrofacetReflection,
+    OrenNayarModel,
+};
+use crate::microfacet::{Distribution, NoSmithForm, Shape};
 use crate::parameter::OutOfRange;
 use crate::real::{Real, Vector};
 use crate::rgb::Rgb;
@@ -34,13 +37,14 @@ pub struct BxdfSpecimen<F: Real> {
     claims: Claims,
     fresnel: Option<Fresnel<F>>,
     distribution: Option<Distribution<F>>,
+    family: Option<LobeFamily<F>>,
 }
 
 impl<F: Real> BxdfSpecimen<F> {
     /// The specimen `name/precision` with the given claims.
     pub fn new(name: &str, bxdf: Arc<dyn Bxdf<F>>, claims: Claims) -> Self {
-        let (fresnel, distribution) = (None, None);
-        Self { name: format!("{name}/{}", F::NAME), bxdf, claims, fresnel, distribution }
+        let name = format!("{name}/{}", F::NAME);
+        Self { name, bxdf, claims, fresnel: None, distribution: None, family: None }
     }
 
     /// The specimen `name/precision` of one of our lobes, with what the lobe promises.
@@ -48,7 +52,8 @@ impl<F: Real> BxdfSpecimen<F> {
         let lobe = lobe.into();
         let (fresnel, distribution) = terms(&lobe);
         let claims = promises(&lobe, fresnel);
-        Self { fresnel, distribution, ..Self::new(name, Arc::new(lobe), claims) }
+        let family = LobeFamily::of(&lobe);
+        Self { fresnel, distribution, family, ..Self::new(name, Arc::new(lobe), claims) }
     }
 
     /// The specimen `name/precision` of a stack, with what its components promise; about energy that says nothing.
@@ -67,14 +72,82 @@ impl<F: Real> BxdfSpecimen<F> {
 
     /// The same specimen without the promise that turning it about the normal changes nothing.
     pub fn anisotropic(mut self) -> Self {
+        self.family = None;
         self.claims.isotropic = false;
         self
     }
 
     /// The same specimen with another promise about energy.
     pub fn with_energy(mut self, energy: Energy) -> Self {
+        self.family = None;
         self.claims.energy = Some(energy);
         self
+    }
+}
+
+/// The lobes that differ from one in roughness and index only.
+#[derive(Clone, Debug)]
+struct LobeFamily<F: Real> {
+    lobe: Lobe<F>,
+    parameters: Vec<Parameter>,
+}
+
+/// From where single precision still resolves the lobe to the largest that the catalogue has.
+const ALPHA: Parameter = Parameter { name: "alpha", low: 1e-3, high: 1.0, scale: Scale::Logarithmic };
+/// From diamond seen from inside to diamond.
+const ETA: Parameter = Parameter { name: "eta", low: 1.0 / 2.42, high: 2.42, scale: Scale::Logarithmic };
+
+impl<F: Real> LobeFamily<F> {
+    /// The family of a lobe, if it is natural to speak of one.
+    fn of(lobe: &Lobe<F>) -> Option<Self> {
+        let is_smith = |distribution: &Distribution<F>| distribution.shape() != Shape::Gaussian;
+        let parameters = match lobe {
+            Lobe::MicrofacetReflection(lobe) if is_smith(lobe.distribution()) => {
+                vec![Parameter { name: "alpha_x", ..ALPHA }, Parameter { name: "alpha_y", ..ALPHA }]
+            }
+            Lobe::MicrofacetDielectric(lobe) if is_smith(lobe.distribution()) => vec![ALPHA, ETA],
+            Lobe::DielectricSpecular(_) => vec![ETA],
+            _ => return None,
+        };
+        Some(Self { lobe: lobe.clone(), parameters })
+    }
+
+    fn member(&self, values: &[f64]) -> Option<Lobe<F>> {
+        let rough = |like: &Distribution<F>, [x, y]: [f64; 2]| {
+            let rough = Distribution::new(like.shape(), F::from_f64(x), F::from_f64(y)).ok()?;
+            rough.with_shadowing(like.shadowing()).ok()
+        };
+        Some(match (&self.lobe, values) {
+            (Lobe::MicrofacetReflection(lobe), &[x, y]) => {
+                MicrofacetReflection::new(rough(lobe.distribution(), [x, y])?, lobe.fresnel()).into()
+            }
+            // Where η − 1 has fewer than five digits, 1/η is no longer the inverse of η to the width of the lobe.
+            (Lobe::MicrofacetDielectric(_), &[_, eta]) if (eta - 1.0).abs() < 1e5 * F::EPSILON.to_f64() => {
+                return None;
+            }
+            (Lobe::MicrofacetDielectric(lobe), &[alpha, eta]) => {
+                let distribution = rough(lobe.distribution(), [alpha, alpha])?;
+                let [reflection, transmission] = lobe.tints();
+                let lobe = MicrofacetDielectric::new(distribution, F::from_f64(eta)).ok()?;
+                lobe.with_tints(reflection, transmission).ok()?.into()
+            }
+            (Lobe::DielectricSpecular(lobe), &[eta]) => {
+                let [reflection, transmission] = lobe.tints();
+                let lobe = DielectricSpecular::new(F::from_f64(eta)).ok()?;
+                lobe.with_tints(reflection, transmission).ok()?.into()
+            }
+            _ => return None,
+        })
+    }
+}
+
+impl<F: Real> Family for LobeFamily<F> {
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn at(&self, values: &[f64]) -> Option<Box<dyn bxdf_tests::Specimen>> {
+        Some(Box::new(BxdfSpecimen::of_lobe("member", self.member(values)?)))
     }
 }
 
@@ -228,6 +301,10 @@ impl<F: Real> bxdf_tests::Specimen for BxdfSpecimen<F> {
     fn microsurface(&self) -> Option<&dyn Microsurface> {
         self.distribution.as_ref().map(|distribution| distribution as &dyn Microsurface)
     }
+
+    fn family(&self) -> Option<&dyn Family> {
+        self.family.as_ref().map(|family| family as &dyn Family)
+    }
 }
 
 impl<F: Real> Microsurface for Distribution<F> {
@@ -317,11 +394,13 @@ pub fn specimens_of(kind: Kind) -> Result<Vec<Box<dyn bxdf_tests::Specimen>>, Ca
 /// Runs the given suites, where they apply, on every specimen, in parallel; the verdicts are in the order of the
 /// specimens.
 ///
-/// `finished` is called with the name of each specimen that is done, and the time it took.
+/// `found` is called with each violated verdict at once, before anything is done to explain it; `finished` with the name
+/// of each specimen that is done, and the time it took.
 pub fn verify(
     specimens: &[Box<dyn bxdf_tests::Specimen>],
     suites: &[Suite],
     plan: &Plan,
+    found: &(dyn Fn(&Verdict) + Sync),
     finished: &(dyn Fn(&str, Duration) + Sync),
 ) -> Vec<Verdict> {
     let verdicts: Vec<Vec<Verdict>> = specimens
@@ -330,7 +409,14 @@ pub fn verify(
         .map(|specimen| {
             let start = Instant::now();
             let examination = Examination::new(&**specimen, plan);
-            let verdicts = suites.iter().filter_map(|&suite| examination.verdict(suite)).collect();
+            let verdicts = suites.iter().filter_map(|&suite| {
+                let verdict = examination.verdict(suite)?;
+                if verdict.outcome == Outcome::Violated {
+                    found(&verdict);
+                }
+                Some(examination.explained(verdict))
+            });
+            let verdicts = verdicts.collect();
             finished(examination.name(), start.elapsed());
             verdicts
         })

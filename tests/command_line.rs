@@ -134,7 +134,7 @@ fn verdicts_do_not_depend_on_threads_and_do_on_the_seed() {
     assert_eq!(one, run(&["--threads", "3"]));
     assert_ne!(one, run(&["--seed", "1"]));
     let verdicts: serde_json::Value = serde_json::from_str(&one).unwrap();
-    assert_eq!(verdicts["schema"], "gonio-verdicts/2");
+    assert_eq!(verdicts["schema"], "gonio-verdicts/3");
     assert_eq!(verdicts["verdicts"].as_array().unwrap().len(), 2 * 2 * 8 + 2 * 7);
 }
 
@@ -177,4 +177,74 @@ fn parts_of_a_run_are_merged_to_the_byte() {
     let output = gonio(folder.path(), &["merge", "1.json"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("1.json is no record of a run, or damaged"));
+}
+
+#[test]
+fn a_violation_is_saved_told_once_and_replayed_to_the_byte() {
+    let folder = tempfile::tempdir().unwrap();
+    let weight = ["verify", "-q", "planted/weight_has_no_cosine", "--suite", "weight", "--samples", "4096"];
+    let energy = [&weight[..], &["--suite", "energy"]].concat();
+    // Of planted bugs nothing is saved unless a folder is given.
+    let output = gonio(folder.path(), &weight);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    let output = gonio(folder.path(), &[&energy[..], &["--regressions", "saved"]].concat());
+    let told = text(&output.stdout);
+    let diagnosis = "diagnosis: the cosine cos θi is missing in the weight, or once too often in eval()";
+    assert_eq!(told.matches(diagnosis).count(), 1, "{told}");
+    assert!(told.contains("the same diagnosis for 2 violations of 1 specimen"), "{told}");
+    assert!(told.contains("also violated: energy"), "{told}");
+    let path = "saved/planted/weight_has_no_cosine/weight.json";
+    assert!(text(&output.stderr).contains(&format!("again: gonio replay {path}")));
+
+    let output = gonio(folder.path(), &["replay", path]);
+    assert_eq!(output.status.code(), Some(1));
+    let again = text(&output.stdout);
+    assert!(
+        again.contains(diagnosis) && again.contains("the verdict is the saved one, to the byte"),
+        "{again}"
+    );
+
+    let saved = fs::read_to_string(folder.path().join(path)).unwrap();
+    let replay = |from: &str, to: &str| {
+        assert!(saved.contains(from), "{saved}");
+        fs::write(folder.path().join("other.json"), saved.replace(from, to)).unwrap();
+        let output = gonio(folder.path(), &["replay", "other.json"]);
+        (output.status.code(), text(&output.stdout) + &text(&output.stderr))
+    };
+    let (code, said) = replay("\"run_seed\": 0", "\"run_seed\": 1");
+    assert!(code == Some(1) && said.contains("the verdict is another one than saved"), "{said}");
+    // The bug once removed: the suite holds.
+    let (code, said) = replay("planted/weight_has_no_cosine", "lambertian/white/f64");
+    assert!(
+        code == Some(0) && said.contains("holds now; saved was lambertian/white/f64/weight VIOLATED"),
+        "{said}"
+    );
+    let (code, said) = replay("planted/weight_has_no_cosine", "strangers/paper");
+    assert!(code == Some(2) && said.contains("no lobe or specimen is named `strangers/paper`"), "{said}");
+    assert!(said.contains("BXDF_TESTS_SEED=0"), "{said}");
+    let (code, said) = replay("bxdf-tests-regression/1", "bxdf-tests-regression/7");
+    assert!(code == Some(2) && said.contains("has the form bxdf-tests-regression/7"), "{said}");
+    let (code, said) = replay("\"weight\"", "\"fresnel\"");
+    assert!(code == Some(2) && said.contains("suite fresnel no longer applies"), "{said}");
+    let (code, said) = replay("\"run_seed\": 0", "\"run_seed\":");
+    assert!(code == Some(2) && said.contains("is no saved violation, or damaged"), "{said}");
+    assert!(refused(&["replay", "nowhere.json"]).contains("cannot read nowhere.json"));
+}
+
+#[test]
+fn explained_violations_are_merged_to_the_byte() {
+    let folder = tempfile::tempdir().unwrap();
+    let verify = ["verify", "-q", "planted/density_without", "planted/weight_has", "--samples", "2048"];
+    let run = |extra: &[&str]| text(&gonio(folder.path(), &[&verify[..], extra].concat()).stdout);
+    let whole = run(&["--format", "json"]);
+    for part in ["1/2", "2/2"] {
+        run(&["--shard", part, "--output", &format!("json={}.json", &part[..1])]);
+    }
+    let merged = gonio(folder.path(), &["merge", "1.json", "2.json", "--format", "json"]);
+    assert_eq!(text(&merged.stdout), whole);
+    let record: serde_json::Value = serde_json::from_str(&whole).unwrap();
+    let verdicts = record["verdicts"].as_array().unwrap();
+    assert!(verdicts.iter().any(|verdict| verdict["residual"]["worst"]["z"].is_number()), "{whole}");
+    assert!(verdicts.iter().any(|verdict| verdict["diagnosis"]["bug"].is_string()));
 }

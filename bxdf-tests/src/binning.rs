@@ -3,10 +3,11 @@
 //! Directions are described by an equal-area chart per hemisphere: v = 1 − |cos θ| and the azimuth φ, so that
 //! dω = dv dφ. The azimuth is counted from the mirror direction of `wo`: a lobe that sits there is not cut
 //! in two. Each hemisphere is halved at medians of pilot samples, alternately in v and φ, until a cell holds
-//! few of them; a lobe of α = 1e-3 thus gets as many cells as one of α = 1. The pilot samples are not used
-//! again, so the cells do not depend on the samples that are counted in them.
+//! few of them; a lobe of α = 1e-3 thus gets as many cells as one of α = 1, and no chart of half vectors is
+//! needed for small α. The pilot samples are not used again, so the cells do not depend on the samples that are
+//! counted in them.
 
-use crate::quadrature::{Rectangle, Region};
+use crate::quadrature::{NODES, Rectangle, Region};
 use crate::specimen::Direction;
 use core::f64::consts::PI;
 
@@ -49,24 +50,26 @@ impl Chart {
         [c * x + s * y, c * y - s * x]
     }
 
-    /// Directions of a grid over (v, φ), the second coordinate fastest.
-    pub(crate) fn directions<const N: usize>(
+    /// Directions of a grid over (v, φ) of no more than [`NODES`] azimuths, the second coordinate fastest.
+    pub(crate) fn directions(
         &self,
         hemisphere: usize,
-        vs: &[f64; N],
-        phis: &[f64; N],
+        vs: &[f64],
+        phis: &[f64],
         directions: &mut [Direction],
     ) {
         let [c, s] = self.mirror;
-        let azimuths = phis.map(|phi| {
+        let mut azimuths = [[0.0; 2]; NODES];
+        let azimuths = &mut azimuths[..phis.len()];
+        for (azimuth, &phi) in azimuths.iter_mut().zip(phis) {
             let (sin, cos) = libm::sincos(phi);
-            [c * cos - s * sin, s * cos + c * sin]
-        });
-        for (i, v) in vs.iter().enumerate() {
+            *azimuth = [c * cos - s * sin, s * cos + c * sin];
+        }
+        for (v, row) in vs.iter().zip(directions.chunks_exact_mut(phis.len())) {
             let sin_theta = (v * (2.0 - v)).sqrt();
             let z = if hemisphere == 0 { 1.0 - v } else { v - 1.0 };
-            for (j, [cos, sin]) in azimuths.iter().enumerate() {
-                directions[i * N + j] = [sin_theta * cos, sin_theta * sin, z];
+            for (direction, [cos, sin]) in row.iter_mut().zip(&*azimuths) {
+                *direction = [sin_theta * cos, sin_theta * sin, z];
             }
         }
     }
@@ -98,6 +101,10 @@ pub(crate) struct Cell {
     pub(crate) pieces: Vec<Region>,
     /// The group that the cell belongs to, per resolution from coarse to fine.
     pub(crate) groups: [usize; RESOLUTIONS],
+    /// Where the pilot points in it lie on average, (v, φ).
+    pub(crate) centre: [f64; 2],
+    /// Mean of ln pdf over the pilot points in it; −∞ where there are none.
+    pub(crate) ln_density: f64,
 }
 
 /// A rectangle that is halved, or a cell, which leads to itself.
@@ -204,11 +211,13 @@ impl Growth<'_> {
             }
         }
         let Some((axis, at)) = halving(points, rectangle, depth, self.per_cell, self.resolution) else {
+            let (centre, ln_density) = averages(points, rectangle);
             let mut pieces = Vec::new();
             self.cut(points, rectangle, depth, &mut pieces);
             let groups = core::array::from_fn(|level| groups[level].unwrap_or_else(|| self.new_group(level)));
             self.partition.nodes[index].cell = self.partition.cells.len();
-            self.partition.cells.push(Cell { hemisphere: self.hemisphere, pieces, groups });
+            let cell = Cell { hemisphere: self.hemisphere, pieces, groups, centre, ln_density };
+            self.partition.cells.push(cell);
             return index;
         };
         let (lower, upper) = halves(points, axis, at);
@@ -237,6 +246,18 @@ impl Growth<'_> {
         self.partition.groups[level] += 1;
         group
     }
+}
+
+/// Mean place and mean ln density of the points of a cell; without points, its middle and −∞.
+fn averages(points: &[Pilot], Rectangle { low, high }: Rectangle) -> ([f64; 2], f64) {
+    if points.is_empty() {
+        return (core::array::from_fn(|axis| 0.5 * (low[axis] + high[axis])), f64::NEG_INFINITY);
+    }
+    let mean = |of: &dyn Fn(&Pilot) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
+    (
+        core::array::from_fn(|axis| mean(&|pilot| pilot.point.at[axis])),
+        mean(&|pilot| libm::log(pilot.density)),
+    )
 }
 
 /// Axis and median at which a rectangle is halved, if both halves keep `smallest` points and enough width; the axes

@@ -65,8 +65,8 @@ pub struct Boundary {
     pub k: [f64; 3],
 }
 
-/// A claim that is known not to hold, with the reason. The suite runs all the same, and a waiver that is no
-/// longer needed is a violation.
+/// A claim that is known not to hold, with the reason. The suite runs all the same; a waiver that is no longer
+/// needed, or gives no reason, is a violation. It does not excuse a panic.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Waiver {
     /// The suite that is expected to find a violation.

@@ -1,6 +1,7 @@
 //! What a run does: which directions, how many samples, which seeds, and how sure a verdict must be.
 
 use crate::claims::Claims;
+use crate::contrasts::CONTRASTS;
 use crate::specimen::{Direction, Specimen, Transport};
 use crate::verdict::Witness;
 use rand::RngExt;
@@ -10,8 +11,8 @@ use rand_pcg::Pcg64;
 pub const FAMILY_ERROR_RATE: f64 = 1e-6;
 
 /// Statistical checks per direction, in the one transport mode whose samples are counted there: χ² at three
-/// resolutions, its rare cells, the rate of no-sample, and the mean weight of three channels.
-pub(crate) const CHECKS_PER_DIRECTION: usize = 8;
+/// resolutions, its rare cells, the smooth contrasts, the rate of no-sample, and the mean weight of three channels.
+pub(crate) const CHECKS_PER_DIRECTION: usize = 3 + 1 + CONTRASTS + 1 + 3;
 
 /// The plan of a run.
 #[derive(Clone, Debug)]
@@ -32,7 +33,8 @@ pub(crate) struct Setting {
     /// What is carried.
     pub(crate) transport: Transport,
     /// Whether samples are counted here. Where both modes are examined, they are in one of the two, turn and turn about,
-    /// on opposite sides in opposite modes; cubature and pointwise checks are made in both.
+    /// on opposite sides in opposite modes; pointwise checks are made in both, and the albedo is integrated wherever
+    /// it is one of power.
     pub(crate) is_counted: bool,
 }
 
@@ -49,7 +51,7 @@ impl Setting {
 
 impl Plan {
     /// Samples per direction unless told otherwise.
-    pub const DEFAULT_SAMPLES: usize = 1 << 18;
+    pub const DEFAULT_SAMPLES: usize = 1 << 16;
 
     /// The plan of a run over the given specimens.
     pub fn new<'a>(run_seed: u64, specimens: impl IntoIterator<Item = &'a dyn Specimen>) -> Self {
@@ -89,6 +91,12 @@ impl Plan {
         (FAMILY_ERROR_RATE / self.family as f64).ln()
     }
 
+    /// The same plan with other random numbers; the 0th is this one.
+    pub(crate) fn repetition(&self, repetition: u64) -> Self {
+        let other = || fnv1a(&format!("{} | repetition {repetition}", self.run_seed)) as u64;
+        Self { run_seed: if repetition == 0 { self.run_seed } else { other() }, ..self.clone() }
+    }
+
     /// Random numbers for one trial. The trial's name is the whole of its identity: neither order nor thread
     /// count nor the other trials change its samples.
     pub(crate) fn generator(&self, specimen: &str, setting: &Setting, purpose: &str) -> Pcg64 {
@@ -113,10 +121,18 @@ pub fn run_seed() -> u64 {
     if let Ok(text) = std::env::var("BXDF_TESTS_SEED") {
         return text.parse().unwrap_or_else(|_| panic!("BXDF_TESTS_SEED is `{text}`, not a whole number"));
     }
+    if let Ok(run) = std::env::var("NEXTEST_RUN_ID") {
+        // It starts a process for each test; they are one run.
+        return short(&run);
+    }
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     let nanoseconds = now.map_or(0, |duration| duration.as_nanos());
-    // Short enough to type again.
-    (fnv1a(&format!("{nanoseconds} {}", std::process::id())) % 1_000_000_000) as u64
+    short(&format!("{nanoseconds} {}", std::process::id()))
+}
+
+/// A seed short enough to type again.
+fn short(text: &str) -> u64 {
+    (fnv1a(text) % 1_000_000_000) as u64
 }
 
 /// The 128-bit Fowler–Noll–Vo hash (1a): the standard library's hash may change between releases.
@@ -153,7 +169,7 @@ fn grid(claims: &Claims) -> Vec<[f64; 2]> {
 }
 
 /// The sides that light arrives from: from above?
-fn sides(claims: &Claims) -> &'static [bool] {
+pub(crate) fn sides(claims: &Claims) -> &'static [bool] {
     if claims.two_sided { &[true, false] } else { &[true] }
 }
 

@@ -137,14 +137,19 @@ pub(crate) struct Effort {
     pub(crate) leading: usize,
     /// The largest number of rectangles, unless more are given.
     pub(crate) rectangles: usize,
+    /// Whether a smaller rule is tried first. It is not worth its time where many digits are asked for, and two rules
+    /// that are both poor agree about a kink more often.
+    pub(crate) tries_few_nodes: bool,
 }
 
-/// Nodes per side of the rule.
+/// Nodes per side of the larger rule.
 pub(crate) const NODES: usize = 15;
+/// Of the smaller one, which is tried first.
+const FEW_NODES: usize = 7;
 
-/// Kronrod's 15 nodes on \[−1, 1\] with their weights, and the weights of Gauss's rule on every second one.
-/// Piessens et al., *QUADPACK*, 1983.
-const POSITIVE_NODES: [(f64, f64, f64); 8] = [
+/// The nodes of Kronrod's rule on \[−1, 1\] that are not negative, descending: (node, its weight, the weight in Gauss's
+/// rule on every second one). Piessens et al., *QUADPACK*, 1983.
+const KRONROD_15: [(f64, f64, f64); 8] = [
     (0.991_455_371_120_812_6, 0.022_935_322_010_529_224, 0.0),
     (0.949_107_912_342_758_5, 0.063_092_092_629_978_55, 0.129_484_966_168_869_7),
     (0.864_864_423_359_769_1, 0.104_790_010_322_250_18, 0.0),
@@ -155,16 +160,18 @@ const POSITIVE_NODES: [(f64, f64, f64); 8] = [
     (0.0, 0.209_482_141_084_727_82, 0.417_959_183_673_469_4),
 ];
 
+/// The same of 7 nodes.
+const KRONROD_7: [(f64, f64, f64); 4] = [
+    (0.960_491_268_708_020_3, 0.104_656_226_026_467_27, 0.0),
+    (0.774_596_669_241_483_4, 0.268_488_089_868_333_44, 0.555_555_555_555_555_6),
+    (0.434_243_749_346_802_56, 0.401_397_414_775_962_2, 0.0),
+    (0.0, 0.450_916_538_658_474_1, 0.888_888_888_888_889),
+];
+
 /// (node, Kronrod weight, Gauss weight) from −1 to 1.
-fn rule() -> [(f64, f64, f64); NODES] {
-    core::array::from_fn(|i| {
-        if i < 8 {
-            let (x, kronrod, gauss) = POSITIVE_NODES[i];
-            (-x, kronrod, gauss)
-        } else {
-            POSITIVE_NODES[14 - i]
-        }
-    })
+fn rule(from_the_end: &[(f64, f64, f64)]) -> Vec<(f64, f64, f64)> {
+    let below = from_the_end.iter().map(|&(x, kronrod, gauss)| (-x, kronrod, gauss));
+    below.chain(from_the_end.iter().rev().skip(1).copied()).collect()
 }
 
 /// A witness above this many times the highest node has seen something that the nodes have not.
@@ -174,12 +181,15 @@ struct Piece<const N: usize> {
     region: Region,
     integral: Integral<N>,
     axis: usize,
+    /// By the smaller rule.
+    is_rough: bool,
 }
 
-/// Integrates `N` functions at once over rectangles: a tensor product of Gauss–Kronrod rules, the rectangle of
-/// the largest error halved along its worse coordinate until the effort is spent or enough.
+/// Integrates `N` functions at once over rectangles: a tensor product of Gauss–Kronrod rules of 7 or 15 nodes. Where the
+/// error is largest, 15 take the place of 7, or the rectangle is halved along its worse coordinate, until the effort is
+/// spent or enough.
 ///
-/// `f` receives the 15 coordinates along each axis and fills the 15 × 15 values, the second axis fastest.
+/// `f` receives the coordinates along each axis and fills the values of their grid, the second axis fastest.
 /// The error bound is three times |Kronrod − Gauss|: for smooth integrands that is the error of the *poorer*
 /// rule and far above that of the value; at a kink both rules are equally poor, and three times covers it.
 /// Where the integrand is noise the bound does not shrink. Where a witness saw far more than any node, the bound
@@ -187,30 +197,39 @@ struct Piece<const N: usize> {
 pub(crate) fn integrate<const N: usize>(
     regions: &[Region],
     effort: Effort,
-    f: &mut dyn FnMut(&[f64; NODES], &[f64; NODES], &mut [[f64; N]]),
+    f: &mut dyn FnMut(&[f64], &[f64], &mut [[f64; N]]),
 ) -> Integral<N> {
-    let rule = rule();
-    let mut values = vec![[0.0; N]; NODES * NODES];
-    let mut apply = |region: Region| {
+    let (few, many) = (rule(&KRONROD_7), rule(&KRONROD_15));
+    let mut values = [[0.0; N]; NODES * NODES];
+    let mut apply = |region: Region, is_rough: bool| {
+        let (rule, count) = if is_rough { (&few, FEW_NODES) } else { (&many, NODES) };
+        let values = &mut values[..count * count];
         let rectangle = region.rectangle;
         let [centre, half]: [[f64; 2]; 2] = [
             core::array::from_fn(|a| 0.5 * (rectangle.high[a] + rectangle.low[a])),
             core::array::from_fn(|a| 0.5 * (rectangle.high[a] - rectangle.low[a])),
         ];
-        let [first, second] = [0, 1].map(|axis: usize| rule.map(|(x, _, _)| centre[axis] + half[axis] * x));
-        f(&first, &second, &mut values);
+        let mut nodes = [[0.0; NODES]; 2];
+        for (axis, nodes) in nodes.iter_mut().enumerate() {
+            nodes.iter_mut().zip(rule).for_each(|(node, (x, _, _))| *node = centre[axis] + half[axis] * x);
+        }
+        f(&nodes[0][..count], &nodes[1][..count], values);
         // Kronrod in both coordinates, Gauss in both, and Gauss in one of them.
         let (mut both, mut neither) = ([0.0; N], [0.0; N]);
         let mut coarse = [[0.0; N]; 2];
-        for (i, &(_, k0, g0)) in rule.iter().enumerate() {
-            for (j, &(_, k1, g1)) in rule.iter().enumerate() {
-                let value = &values[i * NODES + j];
+        for (row, &(_, kronrod, gauss)) in values.chunks_exact(count).zip(rule) {
+            let (mut fine, mut poor) = ([0.0; N], [0.0; N]);
+            for (value, &(_, kronrod, gauss)) in row.iter().zip(rule) {
                 for n in 0..N {
-                    both[n] += k0 * k1 * value[n];
-                    neither[n] += g0 * g1 * value[n];
-                    coarse[0][n] += g0 * k1 * value[n];
-                    coarse[1][n] += k0 * g1 * value[n];
+                    fine[n] += kronrod * value[n];
+                    poor[n] += gauss * value[n];
                 }
+            }
+            for n in 0..N {
+                both[n] += kronrod * fine[n];
+                neither[n] += gauss * poor[n];
+                coarse[0][n] += gauss * fine[n];
+                coarse[1][n] += kronrod * poor[n];
             }
         }
         let area = half[0] * half[1];
@@ -225,10 +244,11 @@ pub(crate) fn integrate<const N: usize>(
             integral.error[..effort.leading].fill(witnessed * rectangle.area());
         }
         let axis = if overlooked { region.axis_of_peak(OVERLOOKED * seen) } else { axis };
-        Piece { region, integral, axis }
+        Piece { region, integral, axis, is_rough }
     };
 
-    let mut pieces: Vec<_> = regions.iter().cloned().map(&mut apply).collect();
+    let mut pieces: Vec<_> =
+        regions.iter().cloned().map(|region| apply(region, effort.tries_few_nodes)).collect();
     let sum = |pieces: &[Piece<N>]| {
         // Summed anew each time: subtracting what is replaced would leave its rounding behind.
         let mut total = Integral::ZERO;
@@ -236,10 +256,16 @@ pub(crate) fn integrate<const N: usize>(
         total
     };
     let mut total = sum(&pieces);
-    while pieces.len() < effort.rectangles && !is_enough(&total, effort) {
-        let Some(largest) = largest(&pieces, effort.leading) else { break };
-        let Piece { region, axis, .. } = pieces.swap_remove(largest);
-        pieces.extend(region.halves(axis).map(&mut apply));
+    while !is_enough(&total, effort) {
+        let may_halve = pieces.len() < effort.rectangles;
+        let improvable = |&largest: &usize| may_halve || pieces[largest].is_rough;
+        let Some(largest) = largest(&pieces, effort.leading).filter(improvable) else { break };
+        let Piece { region, axis, is_rough, .. } = pieces.swap_remove(largest);
+        if is_rough {
+            pieces.push(apply(region, false));
+        } else {
+            pieces.extend(region.halves(axis).map(|half| apply(half, false)));
+        }
         total = sum(&pieces);
     }
     total
@@ -270,13 +296,13 @@ mod tests {
         integrate(&[Region::from(UNIT)], effort, &mut |xs, ys, values| {
             for (i, x) in xs.iter().enumerate() {
                 for (j, y) in ys.iter().enumerate() {
-                    values[i * NODES + j] = [g(*x, *y)];
+                    values[i * ys.len() + j] = [g(*x, *y)];
                 }
             }
         })
     }
 
-    const EFFORT: Effort = Effort { absolute: 1e-10, leading: 1, rectangles: 2000 };
+    const EFFORT: Effort = Effort { absolute: 1e-10, leading: 1, rectangles: 2000, tries_few_nodes: true };
 
     #[test]
     fn polynomials_are_exact_without_refinement() {
@@ -303,10 +329,10 @@ mod tests {
         let width = 1e-7;
         let peak = |x: f64, y: f64| (-((x - 0.3).powi(2) + (y - 0.7).powi(2)) / (width * width)).exp();
         let exact = core::f64::consts::PI * width * width;
-        let mut integrand = |xs: &[f64; NODES], ys: &[f64; NODES], values: &mut [[f64; 1]]| {
+        let mut integrand = |xs: &[f64], ys: &[f64], values: &mut [[f64; 1]]| {
             for (i, x) in xs.iter().enumerate() {
                 for (j, y) in ys.iter().enumerate() {
-                    values[i * NODES + j] = [peak(*x, *y)];
+                    values[i * ys.len() + j] = [peak(*x, *y)];
                 }
             }
         };

@@ -42,13 +42,17 @@ pub struct Scatter {
 /// A BxDF under examination.
 ///
 /// The three calls are the contract; everything else is claimed in [`Claims`]. A renderer with its own vector
-/// type converts at this door, about twenty lines: see `tests/your_renderer.rs`.
+/// type converts at this door, about twenty lines: see `tests/your_renderer.rs`, and
+/// `examples/foreign_renderer` for a whole crate.
 ///
 /// A specimen in single precision declares [`crate::Precision::F32`] and receives uniforms that are exact in
 /// `f32`; it rounds directions itself.
 pub trait Specimen: Send + Sync {
-    /// A path-like name, `family/case`; seeds are derived from it.
-    fn name(&self) -> String;
+    /// Its name where a test gives it none: that of its type unless it says otherwise. Seeds are derived from names.
+    fn name(&self) -> String {
+        let path = core::any::type_name::<Self>().split('<').next().unwrap_or_default();
+        path.rsplit("::").next().unwrap_or_default().to_owned()
+    }
     /// What the specimen promises.
     fn claims(&self) -> Claims;
     /// f(wo, wi) \[sr⁻¹\] per channel, without the cosine; 0 where scattering is a delta.
@@ -95,6 +99,51 @@ pub trait Specimen: Send + Sync {
     /// The micro surface behind the lobe, for suite `microfacet`.
     fn microsurface(&self) -> Option<&dyn Microsurface> {
         None
+    }
+    /// The specimens that differ from this one in the values of parameters only: the adversarial search of suites
+    /// `finite`, `weight`, `reciprocal` and `energy` looks for the worst of them.
+    fn family(&self) -> Option<&dyn Family> {
+        None
+    }
+}
+
+/// Specimens that differ in the values of their parameters only.
+pub trait Family: Send + Sync {
+    /// The parameters, at most [`crate::MOST_PARAMETERS`] of them.
+    fn parameters(&self) -> &[Parameter];
+    /// The member with these values, in the order of the parameters, and with its own claims; `None` where there is none.
+    fn at(&self, values: &[f64]) -> Option<Box<dyn Specimen>>;
+}
+
+/// A parameter of a family, with the range that is searched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name, as the witness shows it.
+    pub name: &'static str,
+    /// The smallest value; above 0 on a logarithmic scale.
+    pub low: f64,
+    /// The largest value.
+    pub high: f64,
+    /// What is evenly spaced.
+    pub scale: Scale,
+}
+
+/// What a search spaces evenly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Values.
+    Linear,
+    /// Logarithms of values.
+    Logarithmic,
+}
+
+impl Parameter {
+    /// The value at a fraction of the range.
+    pub(crate) fn at(&self, fraction: f64) -> f64 {
+        match self.scale {
+            Scale::Linear => self.low + fraction * (self.high - self.low),
+            Scale::Logarithmic => self.low * libm::pow(self.high / self.low, fraction),
+        }
     }
 }
 

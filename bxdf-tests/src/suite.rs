@@ -11,13 +11,14 @@ mod reciprocal;
 mod weight;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
+use crate::calls::{Panicked, Watched, text_of};
 use crate::claims::Claims;
 use crate::plan::{Plan, Setting};
-use crate::specimen::{Direction, Specimen};
+use crate::specimen::{Direction, Scatter, Specimen};
 use crate::survey::{Look, Survey, Tally};
-use crate::verdict::{Check, Ledger, Verdict, Witness};
+use crate::verdict::{Check, Detectable, Ledger, Verdict, Witness};
 
 macro_rules! suites {
     ($($variant:ident $module:ident: $statement:literal, if $applies:expr;)+) => {
@@ -45,6 +46,12 @@ macro_rules! suites {
             /// Whether a specimen with these claims is examined.
             pub fn applies(self, claims: &Claims) -> bool {
                 match self { $(Self::$variant => ($applies)(claims),)+ }
+            }
+
+            /// Whether a specimen with these claims gets a verdict. A waiver calls for a suite that does not apply: it
+            /// would never be noticed again.
+            pub(crate) fn is_called_for(self, claims: &Claims) -> bool {
+                self.applies(claims) || claims.waivers.iter().any(|waiver| waiver.suite == self)
             }
 
             fn run(self, examination: &Examination<'_>, ledger: &mut Ledger) {
@@ -76,7 +83,7 @@ pub struct Examination<'a> {
     pub(crate) name: String,
     pub(crate) claims: Claims,
     pub(crate) plan: &'a Plan,
-    surveys: OnceLock<Vec<Surveyed>>,
+    surveys: Arc<OnceLock<Vec<Surveyed>>>,
 }
 
 /// A setting with what was measured at it.
@@ -89,15 +96,52 @@ pub(crate) struct Surveyed {
     second: OnceLock<Box<Surveyed>>,
 }
 
-/// A statistical check at one setting.
-pub(crate) struct PValue {
-    pub(crate) what: &'static str,
-    pub(crate) ln_p: f64,
-    pub(crate) samples: u64,
+/// The p-value of a statistical check at one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PValue {
+    /// What is compared, in words.
+    pub what: &'static str,
+    /// ln p; NaN where something was not a number, which no chance explains.
+    pub ln_p: f64,
+    /// Random samples behind it; all p-values of a direction rest on the same.
+    pub samples: u64,
     /// Cells of a χ² table after pooling.
-    pub(crate) cells: Option<usize>,
+    pub cells: Option<usize>,
+    /// What it finds in the two stages of a verdict.
+    pub detectable: Option<Detectable<&'static str>>,
     /// Why the evidence cannot carry a conclusion.
-    pub(crate) inconclusive: Option<&'static str>,
+    pub inconclusive: Option<&'static str>,
+}
+
+/// A direction at which samples are counted, and the p-values of all statistical checks there: what the laboratory's
+/// own calibration and power are measured with.
+#[derive(Clone, Copy)]
+pub struct Trial<'a> {
+    examination: &'a Examination<'a>,
+    surveyed: &'a Surveyed,
+}
+
+impl Trial<'_> {
+    /// The direction and what is carried.
+    pub fn witness(&self) -> Witness {
+        self.surveyed.setting.witness()
+    }
+
+    /// The p-values on fresh samples in the same cells, the same for the same repetition. The 0th are those of the first
+    /// stage of a verdict.
+    pub fn p_values(&self, repetition: u64) -> Vec<(Suite, PValue)> {
+        let Self { examination, surveyed: Surveyed { setting, survey, tally, .. } } = *self;
+        let Some(first) = tally else { return Vec::new() };
+        let Examination { specimen, name, claims, plan, .. } = examination;
+        if repetition == 0 {
+            return examination.p_values(survey, first);
+        }
+        // A delta too rare for the pilot samples is added as it is met.
+        let mut survey = survey.clone();
+        let subject = (*specimen, name.as_str());
+        let tally = survey.tally(subject, claims, &plan.repetition(repetition), setting, Look::FIRST);
+        examination.p_values(&survey, &tally)
+    }
 }
 
 /// ln of the p-value below which the second look decides: 1e-4.
@@ -106,7 +150,12 @@ const LN_GREY: f64 = -9.210_340_371_976_182;
 impl<'a> Examination<'a> {
     /// Prepares an examination; nothing is measured yet.
     pub fn new(specimen: &'a dyn Specimen, plan: &'a Plan) -> Self {
-        Self { specimen, name: specimen.name(), claims: specimen.claims(), plan, surveys: OnceLock::new() }
+        Self::named(specimen.name(), specimen, plan)
+    }
+
+    /// Prepares an examination under a name that takes the place of the specimen's own, in seeds and verdicts.
+    pub fn named(name: impl Into<String>, specimen: &'a dyn Specimen, plan: &'a Plan) -> Self {
+        Self { specimen, name: name.into(), claims: specimen.claims(), plan, surveys: Arc::default() }
     }
 
     /// Name of the specimen.
@@ -121,28 +170,40 @@ impl<'a> Examination<'a> {
 
     /// The verdict of one suite; `None` where the specimen claims nothing that it examines.
     ///
-    /// A specimen that panics is violated, not the run.
+    /// A specimen that panics is violated, not the run: the verdict names the call with its arguments.
     pub fn verdict(&self, suite: Suite) -> Option<Verdict> {
+        if !suite.is_called_for(&self.claims) {
+            return None;
+        }
         let waiver = self.claims.waivers.iter().find(|waiver| waiver.suite == suite);
         let mut ledger = Ledger::default();
         if !suite.applies(&self.claims) {
-            // A waiver for a suite that does not run would never be noticed again.
-            waiver?;
             let what = "a waiver for a suite that does not apply";
             ledger.record(Check::new(what, f64::NAN, 0.0, Witness::default()));
             return Some(ledger.into_verdict(self.name.clone(), suite, self.plan.run_seed));
         }
-        let result = catch_unwind(AssertUnwindSafe(|| suite.run(self, &mut ledger)));
+        let watched = Watched(self.specimen);
+        let examination = Examination {
+            specimen: &watched,
+            name: self.name.clone(),
+            claims: self.claims.clone(),
+            plan: self.plan,
+            surveys: Arc::clone(&self.surveys),
+        };
+        let result = catch_unwind(AssertUnwindSafe(|| suite.run(&examination, &mut ledger)));
         if let Err(payload) = result {
             // Nothing else that was found is as telling, and a waiver is for a wrong value, not for a crash.
+            let (what, witness) = match payload.downcast_ref::<Panicked>() {
+                Some(Panicked { call, witness, text }) => (format!("`{call}` panicked: {text}"), *witness),
+                None => {
+                    let text = text_of(&*payload).unwrap_or("no text");
+                    (format!("the specimen panicked: {text}"), Witness::default())
+                }
+            };
             let mut ledger = Ledger::default();
-            ledger.record(Check::new("the specimen panicked", f64::NAN, 0.0, Witness::default()));
-            let mut verdict = ledger.into_verdict(self.name.clone(), suite, self.plan.run_seed);
-            let text = payload.downcast_ref::<&str>().copied();
-            if let Some(text) = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)) {
-                verdict.what = format!("{}: {text}", verdict.what);
-            }
-            return Some(verdict);
+            ledger.record(Check::new("a panic", f64::NAN, f64::NAN, witness));
+            let verdict = ledger.into_verdict(self.name.clone(), suite, self.plan.run_seed);
+            return Some(Verdict { what, ..verdict });
         }
         let verdict = ledger.into_verdict(self.name.clone(), suite, self.plan.run_seed);
         Some(match waiver {
@@ -156,20 +217,61 @@ impl<'a> Examination<'a> {
         Suite::ALL.iter().filter_map(|&suite| self.verdict(suite)).collect()
     }
 
+    /// Every direction at which samples are counted, each with its p-values.
+    pub fn trials(&self) -> impl Iterator<Item = Trial<'_>> {
+        let counted = self.surveys().iter().filter(|surveyed| surveyed.tally.is_some());
+        counted.map(|surveyed| Trial { examination: self, surveyed })
+    }
+
+    /// The p-values of every statistical check at one direction.
+    pub(crate) fn p_values(&self, survey: &Survey, tally: &Tally) -> Vec<(Suite, PValue)> {
+        let of = |suite: Suite, p_values: Vec<PValue>| p_values.into_iter().map(move |p| (suite, p));
+        of(Suite::Normalised, normalised::p_values(self, survey, tally))
+            .chain(of(Suite::ChiSquare, chi_square::p_values(self, survey, tally)))
+            .chain(of(Suite::Energy, energy::p_values(self, survey, tally)))
+            .collect()
+    }
+
+    /// The effect that both stages of a verdict find with probability 0.995 each, hence together with 0.99, given the
+    /// one that a single stage finds as a function of ln level and the number of samples.
+    pub(crate) fn detectable(
+        &self,
+        what: &'static str,
+        effect: impl Fn(f64, f64) -> f64,
+    ) -> Option<Detectable<&'static str>> {
+        let ln_second = self.plan.ln_level() - LN_GREY;
+        let more = Look::second(self.plan).samples as f64;
+        let of_both = |samples: f64| effect(LN_GREY, samples).max(effect(ln_second, more * samples));
+        let mut samples_for_one_percent = self.plan.samples as f64;
+        let effect = of_both(samples_for_one_percent);
+        let mut there = effect;
+        // The effect falls as √N, or as N where it is that of rare events; a power between the two leads to both.
+        for _ in 0..6 {
+            samples_for_one_percent *= libm::pow(there / 0.01, 1.4);
+            there = of_both(samples_for_one_percent);
+        }
+        effect.is_finite().then_some(Detectable { what, effect, samples_for_one_percent })
+    }
+
     pub(crate) fn settings(&self) -> Vec<Setting> {
         self.plan.settings(&self.name, &self.claims)
     }
 
     pub(crate) fn surveys(&self) -> &[Surveyed] {
         self.surveys.get_or_init(|| {
-            self.settings().into_iter().map(|setting| self.look(setting, Look::FIRST)).collect()
+            // Where nothing is counted the integrals say no more than those of the other mode, but for the power.
+            let is_needed =
+                |setting: &Setting| setting.is_counted || energy::is_power(&self.claims, setting.transport);
+            let needed = self.settings().into_iter().filter(is_needed);
+            needed.map(|setting| self.look(setting, Look::FIRST)).collect()
         })
     }
 
     fn look(&self, setting: Setting, look: Look) -> Surveyed {
-        let mut survey = Survey::new(self.specimen, &self.claims, self.plan, &setting, look);
+        let subject = (self.specimen, self.name.as_str());
+        let mut survey = Survey::new(subject, &self.claims, self.plan, &setting, look);
         let tally =
-            setting.is_counted.then(|| survey.tally(self.specimen, &self.claims, self.plan, &setting, look));
+            setting.is_counted.then(|| survey.tally(subject, &self.claims, self.plan, &setting, look));
         Surveyed { setting, survey, tally, second: OnceLock::new() }
     }
 
@@ -179,15 +281,23 @@ impl<'a> Examination<'a> {
 
     /// The integrals that decide: those of the first look unless they contradict a claim, else those of the second.
     ///
-    /// The error bound of a cubature is an estimate; a kink between its nodes can make it too small.
-    pub(crate) fn decisive<'s>(&self, surveyed: &'s Surveyed, holds: impl Fn(&Survey) -> bool) -> &'s Survey {
-        if holds(&surveyed.survey) { &surveyed.survey } else { &self.second(surveyed).survey }
+    /// The error bound of a cubature is an estimate; a kink between its nodes can make it too small. A suite that is
+    /// violated already needs no closer look.
+    pub(crate) fn decisive<'s>(
+        &self,
+        surveyed: &'s Surveyed,
+        ledger: &Ledger,
+        holds: impl Fn(&Survey) -> bool,
+    ) -> &'s Survey {
+        let suffices = ledger.is_violated() || holds(&surveyed.survey);
+        if suffices { &surveyed.survey } else { &self.second(surveyed).survey }
     }
 
     /// Records statistical checks at a setting where samples are counted, in two planned stages.
     ///
     /// `p_values` gives named checks with ln p as their value. Where one falls below 1e-4 a second look decides, on
-    /// independent samples and against level / 1e-4: together that is the level.
+    /// independent samples and against level / 1e-4: together that is the level. Once a violation is certain, the first
+    /// look at the other settings is enough.
     pub(crate) fn judge(
         &self,
         surveyed: &Surveyed,
@@ -202,7 +312,8 @@ impl<'a> Examination<'a> {
         let first = p_values(surveyed);
         // NaN is not a matter of chance.
         let is_grey = |p: &PValue| p.ln_p < LN_GREY;
-        let second = first.iter().any(is_grey).then(|| p_values(self.second(surveyed)));
+        let is_doubtful = first.iter().any(is_grey) && !ledger.is_violated();
+        let second = is_doubtful.then(|| p_values(self.second(surveyed)));
         for (i, first) in first.iter().enumerate() {
             let (p, ln_p) = match &second {
                 Some(second) if is_grey(first) => (&second[i], second[i].ln_p + LN_GREY),
@@ -212,7 +323,8 @@ impl<'a> Examination<'a> {
             // All p-values of a setting rest on the same samples.
             let samples = if i == 0 { p.samples } else { 0 };
             let check = Check::p_value(p.what, ln_p, level, samples, witness);
-            ledger.record(Check { cells: p.cells, inconclusive: p.inconclusive, ..check });
+            let &PValue { cells, inconclusive, detectable, .. } = p;
+            ledger.record(Check { cells, inconclusive, detectable, ..check });
         }
     }
 
@@ -223,20 +335,69 @@ impl<'a> Examination<'a> {
     /// less than the condition of the problem. Moves along the direction count because a rounded unit vector
     /// has not quite unit length, which at grazing incidence tilts the half vector.
     pub(crate) fn rounding_error(&self, wi: Direction, value: f64, g: impl Fn(Direction) -> f64) -> f64 {
+        let [error] = self.rounding_errors(wi, [value], |w| [g(w)]);
+        error
+    }
+
+    /// [`Self::rounding_error`] of several values that are computed together.
+    pub(crate) fn rounding_errors<const N: usize>(
+        &self,
+        wi: Direction,
+        values: [f64; N],
+        g: impl Fn(Direction) -> [f64; N],
+    ) -> [f64; N] {
         let epsilon = self.claims.precision.epsilon();
         let [first, second] = tangents(wi);
-        let change = [first, second, wi]
-            .into_iter()
-            .flat_map(|axis| [16.0 * epsilon, -16.0 * epsilon].map(|step| moved(wi, axis, step)))
-            .map(|near| (g(near) - value).abs())
-            .filter(|change| change.is_finite())
-            .fold(0.0, f64::max);
-        change + 64.0 * epsilon * value.abs() + self.claims.precision.smallest_normal()
+        let mut changes = [0.0_f64; N];
+        for axis in [first, second, wi] {
+            for step in [16.0 * epsilon, -16.0 * epsilon] {
+                let near = g(moved(wi, axis, step));
+                for i in 0..N {
+                    let change = (near[i] - values[i]).abs();
+                    changes[i] = if change.is_finite() { changes[i].max(change) } else { changes[i] };
+                }
+            }
+        }
+        let smallest = self.claims.precision.smallest_normal();
+        core::array::from_fn(|i| changes[i] + 64.0 * epsilon * values[i].abs() + smallest)
+    }
+
+    /// How much the values of `g` may change because the relative index is rounded: as much as when the component of the
+    /// refracted direction across the normal, which is the index times that of the other side, moves by 4 ε.
+    ///
+    /// Near η = 1 at grazing incidence that is far more than rounding the direction itself: 1/η is not the inverse of η
+    /// to the digits of η − 1. So it is wherever refraction grazes a facet, because the cosine is the root of a
+    /// difference.
+    pub(crate) fn index_errors<const N: usize>(
+        &self,
+        scatter: &Scatter,
+        normal: Direction,
+        values: [f64; N],
+        g: impl Fn(Direction) -> [f64; N],
+    ) -> [f64; N] {
+        let mut changes = [0.0_f64; N];
+        if scatter.eta == 1.0 {
+            return changes;
+        }
+        let wi = scatter.wi;
+        let along: f64 = (0..3).map(|i| wi[i] * normal[i]).sum();
+        let across = moved(wi, normal, -along);
+        let sine_squared: f64 = across.iter().map(|x| x * x).sum();
+        let epsilon = self.claims.precision.epsilon();
+        for step in [4.0 * epsilon, -4.0 * epsilon] {
+            let cosine = (along * along - 2.0 * step * sine_squared).max(0.0).sqrt();
+            let near = g(moved(across.map(|x| x * (1.0 + step)), normal, cosine.copysign(along)));
+            for i in 0..N {
+                let change = (near[i] - values[i]).abs();
+                changes[i] = if change.is_finite() { changes[i].max(change) } else { changes[i] };
+            }
+        }
+        changes
     }
 }
 
 /// Two unit vectors orthogonal to the unit vector `w` and to each other.
-fn tangents([x, y, z]: Direction) -> [Direction; 2] {
+pub(crate) fn tangents([x, y, z]: Direction) -> [Direction; 2] {
     // Duff et al., JCGT 6(1), 2017.
     let sign = 1.0_f64.copysign(z);
     let a = -1.0 / (sign + z);
@@ -244,11 +405,11 @@ fn tangents([x, y, z]: Direction) -> [Direction; 2] {
     [[1.0 + sign * x * x * a, sign * b, -sign * x], [b, sign + y * y * a, -y]]
 }
 
-fn moved(w: Direction, axis: Direction, step: f64) -> Direction {
+pub(crate) fn moved(w: Direction, axis: Direction, step: f64) -> Direction {
     core::array::from_fn(|i| w[i] + step * axis[i])
 }
 
-fn normalized(w: Direction) -> Direction {
+pub(crate) fn normalized(w: Direction) -> Direction {
     let length = length(w);
     w.map(|x| x / length)
 }

@@ -2,10 +2,12 @@
 //! cubature) and where the sampler puts its samples (by counting).
 
 use crate::binning::{Chart, Partition, Pilot};
+use crate::calls;
 use crate::deltas::{Delta, Deltas};
 use crate::plan::{Plan, Setting};
 use crate::quadrature::{Effort, Integral, NODES, integrate};
 use crate::specimen::{Direction, Scatter, Specimen, Transport};
+use crate::verdict::Check;
 use crate::{Claims, Precision};
 use rand::RngExt;
 use rand_pcg::Pcg64;
@@ -18,22 +20,23 @@ pub(crate) struct Look {
     /// Samples that shape the cells and lead the cubature; they are not counted.
     pilots: usize,
     /// Counted samples over those of the plan.
-    samples: usize,
+    pub(crate) samples: usize,
     /// What the cubature of one cell may be wrong by, in double precision.
     cell_error: f64,
 }
 
 impl Look {
-    /// All cells together are wrong by some 1e-5 at most, a hundredth of what the samples can see. Smooth lobes come out
-    /// far better; edges such as that of total internal reflection would cost five times as much for two more digits.
-    const CELL_ERROR: f64 = 1e-7;
+    /// All cells together are wrong by some 1e-4 at most, a hundredth of what the samples can see; less where there
+    /// are more of them than by default. Smooth lobes come out far better; edges such as that of total internal
+    /// reflection would cost five times as much for two more digits.
+    const CELL_ERROR: f64 = 1e-6;
 
     /// Where more digits matter than time.
     const LEAST_ERROR: f64 = 1e-9;
 
     /// Enough for lobes of one width.
     pub(crate) const FIRST: Self =
-        Self { name: "stage 1", pilots: 1 << 14, samples: 1, cell_error: Self::CELL_ERROR };
+        Self { name: "stage 1", pilots: 1 << 13, samples: 1, cell_error: Self::CELL_ERROR };
     /// For numbers that are printed and compared.
     const ALBEDO: Self = Self { name: "albedo", cell_error: Self::LEAST_ERROR, ..Self::FIRST };
     /// Decides what the first leaves doubtful, on independent samples. It has as many pilot samples as counted ones:
@@ -55,7 +58,7 @@ impl Look {
 }
 
 /// Pilot samples per piece of a cell.
-const PILOTS_PER_PIECE: usize = 40;
+const PILOTS_PER_PIECE: usize = 20;
 /// Samples per call.
 const BATCH: usize = 1024;
 
@@ -70,8 +73,8 @@ pub(crate) struct Survey {
     pub(crate) integral: Integral<INTEGRALS>,
     /// Largest f cos / pdf at any node, or weight of any delta.
     pub(crate) largest_weight: f64,
-    /// The smallest f cos or pdf at any node; NaN or infinite if one was.
-    pub(crate) lowest: f64,
+    /// The first f or pdf at any node that no BxDF may have.
+    pub(crate) fault: Option<Check>,
 }
 
 /// What an integral over the sphere may be wrong by beyond the error bound of its cubature: sums of rounded terms, and
@@ -95,8 +98,8 @@ pub(crate) struct Tally {
     /// Sum of weights per channel, in the measure of power where the setting carries importance.
     pub(crate) weight: [f64; 3],
     pub(crate) largest_weight: f64,
-    /// NaN or infinite if a weight was.
-    pub(crate) lowest_weight: f64,
+    /// The first sample that no BxDF may return.
+    pub(crate) fault: Option<Check>,
     /// The first sample that cannot be counted: not a number, or one delta too many.
     pub(crate) unusable: Option<Scatter>,
 }
@@ -130,17 +133,6 @@ pub(crate) fn draw(
     }
 }
 
-/// The smaller of the two; whatever is not finite wins and stays.
-fn lower(a: f64, b: f64) -> f64 {
-    if a.is_finite() && (b >= a) && b.is_finite() {
-        a
-    } else if a.is_finite() {
-        b
-    } else {
-        a
-    }
-}
-
 /// Directional albedo of a specimen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Albedo {
@@ -154,12 +146,14 @@ pub struct Albedo {
 pub fn directional_albedo(specimen: &dyn Specimen, wo: Direction, transport: Transport) -> Albedo {
     let plan = Plan::new(0, [specimen]);
     let setting = Setting { wo, transport, is_counted: false };
-    Survey::new(specimen, &specimen.claims(), &plan, &setting, Look::ALBEDO).albedo()
+    let name = specimen.name();
+    Survey::new((specimen, &name), &specimen.claims(), &plan, &setting, Look::ALBEDO).albedo()
 }
 
 impl Survey {
+    /// Measures a specimen, under the name that its seeds follow from.
     pub(crate) fn new(
-        specimen: &dyn Specimen,
+        (specimen, name): (&dyn Specimen, &str),
         claims: &Claims,
         plan: &Plan,
         setting: &Setting,
@@ -167,7 +161,7 @@ impl Survey {
     ) -> Self {
         let precision = claims.precision;
         let chart = Chart::new(setting.wo);
-        let mut generator = plan.generator(&specimen.name(), setting, &format!("{} pilot", look.name));
+        let mut generator = plan.generator(name, setting, &format!("{} pilot", look.name));
         let mut directions: Vec<Direction> = Vec::with_capacity(look.pilots);
         // A sweep meets deltas that are too rare for random numbers.
         let mut deltas = Deltas::sweep(specimen, precision, setting.wo, setting.transport, [0.5; 3]);
@@ -198,35 +192,51 @@ impl Survey {
             partition,
             largest_weight: deltas.iter().flat_map(|delta| delta.scatter.weight).fold(0.0, f64::max),
             deltas,
-            lowest: 0.0,
+            fault: None,
             cell_mass: Vec::new(),
             integral: Integral::ZERO,
         };
-        survey.integrate(specimen, setting, precision, look);
+        // Error and noise of the counts keep their proportion.
+        let more = ((look.samples * plan.samples) as f64 / Plan::DEFAULT_SAMPLES as f64).max(1.0);
+        survey.integrate(specimen, setting, precision, look.cell_error / more.sqrt());
         survey
     }
 
-    fn integrate(&mut self, specimen: &dyn Specimen, setting: &Setting, precision: Precision, look: Look) {
+    fn integrate(
+        &mut self,
+        specimen: &dyn Specimen,
+        setting: &Setting,
+        precision: Precision,
+        cell_error: f64,
+    ) {
         let (absolute, rectangles) = match precision {
-            // The integrand itself is noise of this size, which refinement does not mend.
-            Precision::F32 => (1e-6, 32),
-            Precision::F64 => (look.cell_error, 200),
+            // Below this the integrand itself is noise, which refinement does not mend.
+            Precision::F32 => (cell_error.max(1e-6), 32),
+            Precision::F64 => (cell_error, 200),
         };
-        let effort = Effort { absolute, leading: 4, rectangles };
+        let tries_few_nodes = cell_error > Look::LEAST_ERROR;
+        let effort = Effort { absolute, leading: 4, rectangles, tries_few_nodes };
         let mut directions = vec![[0.0; 3]; NODES * NODES];
         let mut densities = vec![0.0; NODES * NODES];
         let mut values = vec![[0.0; 3]; NODES * NODES];
-        let (mut largest_weight, mut lowest) = (self.largest_weight, self.lowest);
+        let (mut largest_weight, mut fault) = (self.largest_weight, None);
         for cell in &self.partition.cells {
             let chart = &self.partition.chart;
-            let mut integrand = |vs: &[f64; NODES], phis: &[f64; NODES], out: &mut [[f64; INTEGRALS]]| {
-                chart.directions(cell.hemisphere, vs, phis, &mut directions);
-                specimen.pdf_many(setting.wo, &directions, setting.transport, &mut densities);
-                specimen.eval_many(setting.wo, &directions, setting.transport, &mut values);
+            let mut integrand = |vs: &[f64], phis: &[f64], out: &mut [[f64; INTEGRALS]]| {
+                let directions = &mut directions[..out.len()];
+                chart.directions(cell.hemisphere, vs, phis, directions);
+                specimen.pdf_many(setting.wo, directions, setting.transport, &mut densities[..out.len()]);
+                specimen.eval_many(setting.wo, directions, setting.transport, &mut values[..out.len()]);
                 for (k, out) in out.iter_mut().enumerate() {
                     let (cosine, density) = (directions[k][2].abs(), densities[k]);
                     let [r, g, b] = values[k].map(|f| f * cosine);
-                    lowest = [r, g, b].into_iter().fold(lower(lowest, density), lower);
+                    if fault.is_none() && !calls::are_fine(values[k], density) {
+                        let witness = setting.witness().with_wi(directions[k]);
+                        let mut checks = calls::of_eval(values[k], witness)
+                            .into_iter()
+                            .chain([calls::of_pdf(density, witness)]);
+                        fault = checks.find(|check| !check.holds());
+                    }
                     let square = |x: f64| if density > 0.0 { x * x / density } else { 0.0 };
                     *out = [density, r, g, b, square(r), square(g), square(b)];
                     if density > 0.0 {
@@ -238,7 +248,7 @@ impl Survey {
             self.cell_mass.push([integral.value[0], integral.error[0]]);
             self.integral.add(&integral);
         }
-        (self.largest_weight, self.lowest) = (largest_weight, lowest);
+        (self.largest_weight, self.fault) = (largest_weight, fault);
     }
 
     /// ∫ f cos plus the deltas, per channel, with error bounds: the directional albedo.
@@ -270,13 +280,13 @@ impl Survey {
     /// Draws samples and counts where they fall.
     pub(crate) fn tally(
         &mut self,
-        specimen: &dyn Specimen,
+        (specimen, name): (&dyn Specimen, &str),
         claims: &Claims,
         plan: &Plan,
         setting: &Setting,
         look: Look,
     ) -> Tally {
-        let mut generator = plan.generator(&specimen.name(), setting, look.name);
+        let mut generator = plan.generator(name, setting, look.name);
         let samples = look.samples * plan.samples;
         let mut tally = Tally {
             samples: samples as u64,
@@ -285,19 +295,22 @@ impl Survey {
             deltas: vec![0; self.deltas.len()],
             weight: [0.0; 3],
             largest_weight: 0.0,
-            lowest_weight: 0.0,
+            fault: None,
             unusable: None,
         };
         let mut waiting: Vec<Direction> = Vec::with_capacity(BATCH);
-        draw(specimen, setting, claims.precision, &mut generator, samples, |_, scatter| {
+        draw(specimen, setting, claims.precision, &mut generator, samples, |uniforms, scatter| {
             let Some(scatter) = scatter else {
                 tally.none += 1;
                 return;
             };
+            if tally.fault.is_none() {
+                let witness = setting.witness().with_uniforms(uniforms);
+                tally.fault = calls::of_sample(&scatter, claims, witness).find(|check| !check.holds());
+            }
             for (sum, weight) in tally.weight.iter_mut().zip(scatter.weight) {
                 *sum += weight;
                 tally.largest_weight = tally.largest_weight.max(weight);
-                tally.lowest_weight = lower(tally.lowest_weight, weight);
             }
             if !scatter.wi.iter().chain(&scatter.weight).all(|x| x.is_finite()) {
                 tally.unusable.get_or_insert(scatter);

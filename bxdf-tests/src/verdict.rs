@@ -1,7 +1,10 @@
 //! Verdicts with their evidence.
 
+use crate::diagnosis::Diagnosis;
+use crate::failure::Smallest;
 use crate::number;
-use crate::specimen::{Direction, Transport};
+use crate::residual::Residual;
+use crate::specimen::{Direction, Parameter, Transport};
 use crate::suite::Suite;
 
 /// What a suite concluded.
@@ -31,6 +34,28 @@ pub struct Witness {
     /// What was carried.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transport: Option<Transport>,
+    /// Which member of a family it was, unless it was the specimen itself.
+    #[serde(skip)]
+    pub(crate) parameters: Parameters,
+}
+
+/// How many parameters a family may have.
+pub const MOST_PARAMETERS: usize = 4;
+
+/// Parameters with their values.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Parameters([Option<(&'static str, f64)>; MOST_PARAMETERS]);
+
+impl Parameters {
+    pub(crate) fn new(parameters: &[Parameter], values: &[f64]) -> Self {
+        let pair = |i: usize| Some((parameters.get(i)?.name, *values.get(i)?));
+        Self(core::array::from_fn(pair))
+    }
+
+    /// Names and values.
+    fn iter(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        self.0.into_iter().flatten()
+    }
 }
 
 impl Witness {
@@ -48,6 +73,28 @@ impl Witness {
     }
 }
 
+/// The minimum detectable effect of a statistical check: what it would have found with probability 0.99.
+///
+/// The effect is the relative error of whatever `what` names. For densities it is the root mean square over the samples
+/// of the relative deviation; a component picked with probability q (1 + ε) instead of q, apart from the others,
+/// deviates by ε √(q / (1 − q)), which is ε for a component that is picked half of the time.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Detectable<Text = String> {
+    /// What would be off, in words.
+    pub what: Text,
+    /// By how much, at the number of samples and the level of the verdict.
+    pub effect: f64,
+    /// Samples per direction with which an effect of 1 % would be found as surely.
+    pub samples_for_one_percent: f64,
+}
+
+impl Detectable<&'static str> {
+    fn owned(self) -> Detectable {
+        let Self { what, effect, samples_for_one_percent } = self;
+        Detectable { what: what.to_owned(), effect, samples_for_one_percent }
+    }
+}
+
 /// One comparison: it holds where `value <= limit`. NaN and infinities never hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Check {
@@ -62,11 +109,32 @@ pub(crate) struct Check {
     pub(crate) cells: Option<usize>,
     /// Why the evidence cannot carry a conclusion, unless it already contradicts.
     pub(crate) inconclusive: Option<&'static str>,
+    /// What a statistical check would have found.
+    pub(crate) detectable: Option<Detectable<&'static str>>,
+    /// What the call that was checked returned, where the value is made of that alone.
+    pub(crate) returned: Option<Returned>,
+}
+
+/// A number that a call of the specimen returned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Returned {
+    pub(crate) call: &'static str,
+    pub(crate) value: f64,
 }
 
 impl Check {
     pub(crate) fn new(what: &'static str, value: f64, limit: f64, witness: Witness) -> Self {
-        Self { what, value, limit, witness, samples: 0, cells: None, inconclusive: None }
+        Self {
+            what,
+            value,
+            limit,
+            witness,
+            samples: 0,
+            cells: None,
+            inconclusive: None,
+            detectable: None,
+            returned: None,
+        }
     }
 
     /// A p-value against its level, on the scale −log₁₀ p.
@@ -83,7 +151,7 @@ impl Check {
         Self { samples, ..Self::new(what, value, ln_level / scale, witness) }
     }
 
-    fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         self.value.is_finite() && self.value <= self.limit
     }
 
@@ -112,6 +180,7 @@ pub(crate) struct Ledger {
     samples: u64,
     violations: u64,
     least_cells: Option<usize>,
+    detectable: Vec<Detectable<&'static str>>,
     worst: Option<Check>,
     inconclusive: Option<Check>,
 }
@@ -122,6 +191,14 @@ impl Ledger {
         self.samples += check.samples;
         self.violations += u64::from(!check.holds());
         self.least_cells = self.least_cells.into_iter().chain(check.cells).min();
+        if let Some(detectable) = check.detectable {
+            // The least powerful direction speaks for all.
+            match self.detectable.iter_mut().find(|known| known.what == detectable.what) {
+                Some(known) if known.effect < detectable.effect => *known = detectable,
+                Some(_) => {}
+                None => self.detectable.push(detectable),
+            }
+        }
         if check.inconclusive.is_some() {
             self.inconclusive.get_or_insert(check);
         }
@@ -135,6 +212,27 @@ impl Ledger {
         self.worst.map_or(f64::NEG_INFINITY, |worst| worst.used())
     }
 
+    /// Whether a check contradicts the claim.
+    pub(crate) fn is_violated(&self) -> bool {
+        self.violations > 0
+    }
+
+    /// Takes over the checks that another ledger holds about the specimen with these parameters.
+    pub(crate) fn absorb(&mut self, other: Self, parameters: Parameters) {
+        let named = |mut check: Check| {
+            check.witness.parameters = parameters;
+            check
+        };
+        self.checks += other.checks;
+        self.samples += other.samples;
+        self.violations += other.violations;
+        self.least_cells = self.least_cells.into_iter().chain(other.least_cells).min();
+        self.inconclusive = self.inconclusive.or(other.inconclusive.map(named));
+        if other.used() > self.used() {
+            self.worst = other.worst.map(named);
+        }
+    }
+
     pub(crate) fn into_verdict(self, specimen: String, suite: Suite, run_seed: u64) -> Verdict {
         let nothing = Check {
             inconclusive: Some("no check was made"),
@@ -146,8 +244,11 @@ impl Ledger {
             (Some(_), Some(check)) => (Outcome::Inconclusive, check),
             (Some(worst), None) => (Outcome::Holds, worst),
         };
-        let what = match (outcome, check.inconclusive) {
-            (Outcome::Inconclusive, Some(reason)) => format!("{reason}; {}", check.what),
+        let what = match (outcome, check.inconclusive, check.returned) {
+            (Outcome::Inconclusive, Some(reason), _) => format!("{reason}; {}", check.what),
+            (Outcome::Violated, _, Some(Returned { call, value })) => {
+                format!("`{call}` returned {value:.4e}; {}", check.what)
+            }
             _ => check.what.to_owned(),
         };
         Verdict {
@@ -162,8 +263,18 @@ impl Ledger {
             violations: self.violations,
             samples: self.samples,
             least_cells: self.least_cells,
+            detectable: self.detectable.into_iter().map(Detectable::owned).collect(),
+            parameters: check
+                .witness
+                .parameters
+                .iter()
+                .map(|(name, value)| (name.to_owned(), value))
+                .collect(),
             run_seed,
             witness: check.witness,
+            residual: None,
+            diagnosis: None,
+            smallest: None,
         }
     }
 }
@@ -196,10 +307,26 @@ pub struct Verdict {
     /// Cells of the smallest χ² table at the finest resolution, after pooling: how much the suite could see.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least_cells: Option<usize>,
+    /// What would have been found with probability 0.99 at every direction; empty where nothing is a matter of chance.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub detectable: Vec<Detectable>,
+    /// Which member of a family the most telling check is about, unless it was the specimen itself.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameters: Vec<(String, f64)>,
     /// The run seed; with the name of the specimen it reproduces the run.
     pub run_seed: u64,
     /// Where the most telling check was made.
     pub witness: Witness,
+    /// Where samples and density disagree; like the next two, of a violation after
+    /// [`crate::Examination::explained`] only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub residual: Option<Residual>,
+    /// The bug that explains it, if the dictionary has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub diagnosis: Option<Diagnosis>,
+    /// The smallest case that still fails.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub smallest: Option<Smallest>,
 }
 
 impl Verdict {
@@ -208,9 +335,30 @@ impl Verdict {
         used(self.value, self.limit)
     }
 
+    /// Its first line: what was concluded, and from what.
+    pub fn headline(&self) -> String {
+        let outcome = match self.outcome {
+            Outcome::Holds => "holds",
+            Outcome::Violated => "VIOLATED",
+            Outcome::Inconclusive => "inconclusive",
+        };
+        let mut line = format!("{}/{} {outcome}: {}", self.specimen, self.suite.name(), self.what);
+        // A panic measures nothing.
+        if !self.limit.is_nan() {
+            line += &format!(" = {:.4e}, limit {:.4e}", self.value, self.limit);
+            if self.violations > 0 {
+                line += &format!(" ({} of {} checks)", self.violations, self.checks);
+            }
+        }
+        line
+    }
+
     /// The verdict under a waiver: the expected violation is accepted, a claim that holds violates the waiver.
     pub(crate) fn under_waiver(mut self, reason: &str) -> Self {
         match self.outcome {
+            Outcome::Violated if reason.trim().is_empty() => {
+                self.what = format!("a waiver without a reason; the suite finds: {}", self.what);
+            }
             Outcome::Violated => {
                 self.outcome = Outcome::Holds;
                 self.waiver = Some(reason.to_owned());
@@ -228,17 +376,13 @@ impl Verdict {
 
 impl core::fmt::Display for Verdict {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let outcome = match self.outcome {
-            Outcome::Holds => "holds",
-            Outcome::Violated => "VIOLATED",
-            Outcome::Inconclusive => "inconclusive",
-        };
-        write!(f, "{}/{} {outcome}: {}", self.specimen, self.suite.name(), self.what)?;
-        write!(f, " = {:.4e}, limit {:.4e}", self.value, self.limit)?;
-        if self.violations > 0 {
-            write!(f, " ({} of {} checks)", self.violations, self.checks)?;
+        f.write_str(&self.headline())?;
+        let Witness { wo, wi, uniforms, transport, .. } = self.witness;
+        if !self.parameters.is_empty() {
+            let values: Vec<_> =
+                self.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+            write!(f, "\n  parameters {}", values.join(", "))?;
         }
-        let Witness { wo, wi, uniforms, transport } = self.witness;
         if let Some([x, y, z]) = wo {
             write!(f, "\n  wo ({x:e}, {y:e}, {z:e})")?;
         }
@@ -250,6 +394,21 @@ impl core::fmt::Display for Verdict {
         }
         if let Some(transport) = transport {
             write!(f, "\n  transport {transport:?}")?;
+        }
+        // What a violation would also have found is of no interest.
+        let detectable = if self.outcome == Outcome::Violated { &[] } else { &self.detectable[..] };
+        for Detectable { what, effect, samples_for_one_percent } in detectable {
+            write!(f, "\n  finds {what} of {:.2} % with probability 0.99", 100.0 * effect)?;
+            write!(f, ", of 1 % with {samples_for_one_percent:.1e} samples per direction")?;
+        }
+        if let Some(residual) = &self.residual {
+            write!(f, "\n{residual}")?;
+        }
+        if let Some(diagnosis) = &self.diagnosis {
+            write!(f, "\n{diagnosis}")?;
+        }
+        if let Some(smallest) = &self.smallest {
+            write!(f, "\n{smallest}")?;
         }
         write!(f, "\n  run seed {}", self.run_seed)
     }

@@ -599,11 +599,11 @@ fn smooth_surfaces_have_no_higher_orders<F: Real>() {
 }
 
 fn next_to_smooth_surfaces_have_next_to_no_higher_orders<F: Real>() {
-    for alpha in [1e-4, 2e-4, 4e-4, 1e-3, 3e-3, 1e-2] {
+    for alpha in [1e-4, 4e-4, 3e-3, 1e-2] {
         for distribution in distributions::<F>([alpha; 2]) {
             let reflector: Box<dyn Bxdf<F>> = Box::new(KullaContyReflection::new(distribution, white()));
             let mut lobes = vec![("reflection".to_owned(), reflector)];
-            for eta in [1.0 / 1.5, 1.1, 1.5, 2.42] {
+            for eta in [1.0 / 1.5, 2.42] {
                 let single = MicrofacetDielectric::new(distribution, F::from_f64(eta)).unwrap();
                 lobes.push((format!("eta {eta}"), Box::new(KullaContyDielectric::new(&single))));
             }

@@ -64,9 +64,6 @@ fn float3(w: Direction) -> renderer::Float3 {
 }
 
 impl Specimen for Adapter {
-    fn name(&self) -> String {
-        format!("phong/{}", self.0.exponent)
-    }
     fn claims(&self) -> Claims {
         Claims::reflector(Precision::F32)
     }
@@ -86,7 +83,7 @@ impl Specimen for Adapter {
 
 #[test]
 fn a_correct_foreign_lobe_conforms() {
-    assert_conforms(&Adapter(renderer::Phong { exponent: 20.0, density_exponent: 20.0 }));
+    assert_conforms("phong/20", &Adapter(renderer::Phong { exponent: 20.0, density_exponent: 20.0 }));
 }
 
 #[test]
@@ -100,40 +97,11 @@ fn a_density_of_another_exponent_is_found() {
 }
 
 #[test]
-fn a_specimen_that_panics_is_a_verdict() {
-    struct Panics;
-    impl Specimen for Panics {
-        fn name(&self) -> String {
-            "panics".into()
-        }
-        fn claims(&self) -> Claims {
-            Claims::reflector(Precision::F64)
-        }
-        fn eval(&self, _: Direction, _: Direction, _: Transport) -> [f64; 3] {
-            panic!("no such material")
-        }
-        fn pdf(&self, _: Direction, _: Direction, _: Transport) -> f64 {
-            0.0
-        }
-        fn sample(&self, _: Direction, _: [f64; 3], _: Transport) -> Option<Scatter> {
-            None
-        }
-    }
-    let plan = Plan::new(run_seed(), [&Panics as &dyn Specimen]);
-    let verdict = Examination::new(&Panics, &plan).verdict(Suite::Finite).unwrap();
-    assert_eq!(verdict.outcome, Outcome::Violated);
-    assert_eq!(verdict.what, "the specimen panicked: no such material");
-}
-
-#[test]
-fn waivers_need_a_violation() {
-    struct Waived(Adapter);
+fn waivers_need_a_violation_and_a_reason() {
+    struct Waived(Adapter, &'static str);
     impl Specimen for Waived {
-        fn name(&self) -> String {
-            self.0.name()
-        }
         fn claims(&self) -> Claims {
-            self.0.claims().waive(Suite::ChiSquare, "known density bug")
+            self.0.claims().waive(Suite::ChiSquare, self.1)
         }
         fn eval(&self, wo: Direction, wi: Direction, transport: Transport) -> [f64; 3] {
             self.0.eval(wo, wi, transport)
@@ -146,14 +114,17 @@ fn waivers_need_a_violation() {
         }
     }
     let seed = run_seed();
-    let outcome = |density_exponent| {
-        let specimen = Waived(Adapter(renderer::Phong { exponent: 20.0, density_exponent }));
+    let outcome = |density_exponent, reason| {
+        let specimen = Waived(Adapter(renderer::Phong { exponent: 20.0, density_exponent }), reason);
         let plan = Plan::new(seed, [&specimen as &dyn Specimen]);
         Examination::new(&specimen, &plan).verdict(Suite::ChiSquare).unwrap()
     };
-    let needed = outcome(21.0);
+    let needed = outcome(21.0, "known density bug");
     assert_eq!((needed.outcome, needed.waiver.as_deref()), (Outcome::Holds, Some("known density bug")));
-    let obsolete = outcome(20.0);
+    let obsolete = outcome(20.0, "known density bug");
     assert_eq!(obsolete.outcome, Outcome::Violated);
     assert!(obsolete.what.contains("no longer needed"), "{}", obsolete.what);
+    let silent = outcome(21.0, " ");
+    assert_eq!(silent.outcome, Outcome::Violated);
+    assert!(silent.what.contains("a waiver without a reason"), "{}", silent.what);
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
-use bxdf_tests::Outcome;
+use bxdf_tests::{Outcome, failure_report};
 use clap::ValueEnum;
 use gonio::record::RunRecord;
 use gonio::report::write_file;
@@ -96,9 +96,7 @@ fn full(record: &RunRecord) -> Result<String, std::fmt::Error> {
         writeln!(text, "{name:<width$}  {}", cells.collect::<String>().trim_end())?;
     }
     text.push('\n');
-    for verdict in verdicts.iter().filter(|verdict| verdict.outcome != Outcome::Holds) {
-        writeln!(text, "{verdict}\n")?;
-    }
+    text += &failure_report(verdicts);
     let count = |outcome| verdicts.iter().filter(|verdict| verdict.outcome == outcome).count();
     writeln!(
         text,

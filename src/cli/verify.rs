@@ -1,34 +1,53 @@
 //! `gonio verify`: runs the suites and prints a line per specimen and the verdict.
 
 use std::collections::HashMap;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
-use bxdf_tests::{Plan, Specimen, Suite};
+use bxdf_tests::{Plan, Regression, Specimen, Suite, Verdict, regressions_folder};
 use gonio::parameter::did_you_mean;
+use gonio::planted::PlantedBug;
 use gonio::record::{RunRecord, Shard};
 use gonio::specimen::{Kind, specimens_of, verify};
 
 use super::output::{Form, Outputs};
 use super::progress::Progress;
-use super::{Failure, General, Judgement, Run, print};
+use super::{Failure, General, Judgement, Run, print, self_check};
 
 #[derive(clap::Args)]
 pub(crate) struct Options {
-    /// Lobes, `stack`, specimens, or beginnings of their names; the catalogue unless given, `grid` for the long form
+    /// Lobes, `stack`, specimens, or beginnings of their names; the catalogue unless given, `grid` for the long form,
+    /// `planted` for planted bugs
     names: Vec<String>,
     /// Only this suite; may be given several times. All unless given
     #[arg(long = "suite", value_name = "NAME", value_parser = suite)]
     suites: Vec<Suite>,
     #[command(flatten)]
     run: Run,
+    /// Planted bugs instead of specimens: every suite must find what it must, and nothing in the correct twins
+    #[arg(long, conflicts_with_all = ["names", "suites", "deny", "shard", "outputs"])]
+    self_check: bool,
+    /// Run seeds of a self-check, from --seed up: how often is each bug found?
+    #[arg(long, requires = "self_check", default_value_t = 1, value_name = "K", value_parser = seeds)]
+    seeds: usize,
     #[command(flatten)]
     judgement: Judgement,
     /// Only part I of N, every N-th specimen; `gonio merge` puts the parts together
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
+    /// Where violations are saved the moment they are found [default: $BXDF_TESTS_REGRESSIONS, or gonio-regressions;
+    /// those of planted bugs are only saved where this is given]
+    #[arg(long, value_name = "FOLDER", conflicts_with = "self_check")]
+    regressions: Option<PathBuf>,
     #[command(flatten)]
     outputs: Outputs,
+}
+
+fn seeds(text: &str) -> Result<usize, String> {
+    let range = 1..=10_000;
+    let number: usize = text.parse().map_err(|_| format!("`{text}` is not a whole number"))?;
+    if range.contains(&number) { Ok(number) } else { Err(format!("{number} is not in 1 to {}", range.end())) }
 }
 
 fn suite(name: &str) -> Result<Suite, String> {
@@ -39,10 +58,13 @@ fn suite(name: &str) -> Result<Suite, String> {
 }
 
 pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Failure> {
+    if options.self_check {
+        return self_check::run(&options.run, options.seeds, options.outputs.format, general);
+    }
     let specimens = select(&options.names)?;
     // The error rate is shared by the whole run, whatever part of it this is.
     let mut plan = Plan::new(options.run.seed, specimens.iter().map(|specimen| &**specimen));
-    plan.samples = options.run.samples;
+    plan.samples = options.run.samples();
     let specimens = match options.shard {
         None => specimens,
         Some(shard) => shard.of(specimens),
@@ -53,7 +75,19 @@ pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Fail
     let progress = Progress::new(specimens.len(), general);
     let suites = if options.suites.is_empty() { Suite::ALL } else { &options.suites };
     let times = Mutex::new(HashMap::new());
-    let verdicts = verify(&specimens, suites, &plan, &|name, time| {
+    let saved = Mutex::new(HashMap::new());
+    let save = |verdict: &Verdict| {
+        let is_planted = verdict.specimen.starts_with(PLANTED);
+        let folder = options.regressions.clone().or_else(|| regressions_folder().filter(|_| !is_planted));
+        let Some(folder) = folder else { return };
+        let line = match Regression::new(verdict.clone(), &plan).save(&folder) {
+            Ok(path) => format!("saved; again: gonio replay {}", path.display()),
+            Err(error) => format!("not saved: {error}"),
+        };
+        let place = (verdict.specimen.clone(), verdict.suite.name());
+        saved.lock().unwrap_or_else(PoisonError::into_inner).insert(place, line);
+    };
+    let verdicts = verify(&specimens, suites, &plan, &save, &|name, time| {
         progress.finished();
         times.lock().unwrap_or_else(PoisonError::into_inner).insert(name.to_owned(), time);
     });
@@ -61,11 +95,20 @@ pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Fail
     let examined = specimens.iter().map(|specimen| &**specimen);
     let record = RunRecord::new(&plan, suites, options.shard, examined, verdicts);
     options.outputs.emit(&record, &times.into_inner().unwrap_or_else(PoisonError::into_inner))?;
+    let saved = saved.into_inner().unwrap_or_else(PoisonError::into_inner);
+    for verdict in &record.verdicts {
+        if let Some(line) = saved.get(&(verdict.specimen.clone(), verdict.suite.name())) {
+            eprintln!("{line}");
+        }
+    }
     Ok(options.judgement.exit_code(&record.verdicts))
 }
 
+/// Planted bugs stand beside the catalogue, for what a violation says.
+const PLANTED: &str = "planted";
+
 /// The specimens that one of the names means; a name that means none is an error.
-fn select(names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure> {
+pub(super) fn select(names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure> {
     let mut known: Vec<String> = Vec::new();
     let mut used = vec![false; names.len()];
     let mut selected = Vec::new();
@@ -73,7 +116,8 @@ fn select(names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure> {
     let is_long = |name: &String| name.starts_with(Kind::Grid.name());
     let kinds = || Kind::catalogue().chain(names.iter().any(is_long).then_some(Kind::Grid));
     // Where every name is that of a kind, the others need not be built.
-    let by_kind = !names.is_empty() && names.iter().all(|name| kinds().any(|kind| name == kind.name()));
+    let is_kind = |name: &String| name.starts_with(PLANTED) || kinds().any(|kind| name == kind.name());
+    let by_kind = !names.is_empty() && names.iter().all(is_kind);
     for kind in kinds().filter(|kind| !by_kind || names.iter().any(|name| name == kind.name())) {
         known.push(kind.name().to_owned());
         for specimen in specimens_of(kind)? {
@@ -92,6 +136,18 @@ fn select(names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure> {
             if wanted {
                 selected.push(specimen);
             }
+        }
+    }
+    if names.iter().any(|name| name.starts_with(PLANTED)) {
+        known.push(PLANTED.to_owned());
+        for bug in PlantedBug::ALL {
+            let full = format!("{PLANTED}/{}", bug.name);
+            let fits: Vec<bool> = names.iter().map(|name| full.starts_with(name.as_str())).collect();
+            used.iter_mut().zip(&fits).for_each(|(used, fits)| *used |= fits);
+            if fits.contains(&true) {
+                selected.push(bug.mutant()?);
+            }
+            known.push(full);
         }
     }
     match names.iter().zip(used).find(|&(_, used)| !used) {

@@ -61,6 +61,11 @@ impl<F: Real> MicrofacetDielectric<F> {
         Ok(Self { smooth: self.smooth.with_tints(reflection, transmission)?, ..self })
     }
 
+    /// Colours of reflection and transmission.
+    pub fn tints(&self) -> [Rgb<F>; 2] {
+        self.smooth.tints()
+    }
+
     /// `true` if neither reflection nor transmission is coloured.
     pub fn is_lossless(&self) -> bool {
         self.smooth.is_lossless()

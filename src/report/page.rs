@@ -7,12 +7,14 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::{FresnelFigure, ReportError};
 use crate::ior::{Class, Illuminant, builtin, provenances};
+use crate::planted::{Found, Row, Search, SelfCheck};
 
 /// What the page shows.
 pub(super) struct Contents<'a> {
     pub(super) specimens: &'a [Box<dyn Specimen>],
     pub(super) plan: &'a Plan,
     pub(super) verdicts: &'a [Verdict],
+    pub(super) self_check: &'a SelfCheck,
     pub(super) figure: &'a FresnelFigure,
     pub(super) svg: &'a str,
 }
@@ -50,6 +52,7 @@ pub(super) fn html(contents: &Contents<'_>) -> Result<String, ReportError> {
                 (fresnel(contents))
                 (metals()?)
                 (matrix(contents))
+                (planted(contents.self_check))
                 (reproduce(contents))
             }
         }
@@ -228,6 +231,66 @@ fn cell(pair: [Option<&Verdict>; 2]) -> Markup {
     let numbers: Vec<_> =
         pair.into_iter().flatten().map(|verdict| format!("{:.2}", verdict.used().max(0.0))).collect();
     html! { td class={ "cell " (class) } { (mark) " " (numbers.join(" · ")) } }
+}
+
+/// Planted bugs × suites, then their twins.
+fn planted(check: &SelfCheck) -> Markup {
+    let header = |first: &str| {
+        html! { thead { tr { th { (first) } @for suite in Suite::ALL { th title=(suite.statement()) { (suite.name()) } } th { "with" } } } }
+    };
+    html! {
+        h2 { "Planted bugs × suites" }
+        p {
+            "Can a suite fail? Each row is a correct specimen with one bug: " b { "✗" } " caught by the suite that must, for "
+            "the reason that it was planted; ✗ caught as well, · holds, ? inconclusive, – not claimed. "
+            (check.count(Search::Caught)) " of " (check.bugs.len()) " are caught, " (check.count(Search::Missed))
+            " are missed, " (check.count(Search::NeedsMoreSamples)) " need more samples than were drawn, "
+            (check.count(Search::Elsewhere)) " contradict no claim and are found elsewhere. All suites hold on the "
+            (check.twins.len()) " specimens without a bug, but for " (check.failures.len()) " verdicts. "
+            (check.samples) " samples per direction, more where a bug takes more; last column: with how many of the run "
+            "seeds it was caught. " code { "gonio verify --self-check --seeds 100" } " measures the power, "
+            a href="planted.json" { "planted.json" } " has the numbers."
+        }
+        div class="scroll" {
+            table {
+                (header("planted bug"))
+                tbody { @for bug in &check.bugs { (planted_row(&bug.row, Some(bug), check.seeds)) } }
+                (header("twin"))
+                tbody { @for twin in &check.twins { (planted_row(twin, None, check.seeds)) } }
+            }
+        }
+    }
+}
+
+fn planted_row(row: &Row, bug: Option<&Found>, seeds: usize) -> Markup {
+    let finder = bug.and_then(|bug| bug.suite);
+    let end = bug.map_or(String::new(), |bug| match (bug.search, bug.elsewhere) {
+        (Search::Elsewhere, place) => place.unwrap_or_default().to_owned(),
+        (Search::NeedsMoreSamples, _) => {
+            format!("{}/{seeds}, needs {} samples", bug.caught, bug.least_samples)
+        }
+        (Search::Caught | Search::Missed, _) => format!("{}/{seeds}", bug.caught),
+    });
+    html! {
+        tr title=[bug.map(|bug| bug.what.as_str()).filter(|what| !what.is_empty())] {
+            th { (row.name.replace('_', " ")) }
+            @for &suite in Suite::ALL {
+                @let mark = match row.outcome(suite) {
+                    None => "–",
+                    Some(Outcome::Holds) => "·",
+                    Some(Outcome::Violated) => "✗",
+                    Some(Outcome::Inconclusive) => "?",
+                };
+                @if finder == Some(suite) {
+                    @let class = if bug.is_some_and(|bug| bug.search == Search::Missed) { "violated" } else { "holds" };
+                    td class={ "cell " (class) } { b { (mark) } }
+                } @else {
+                    td class="cell" { (mark) }
+                }
+            }
+            td { (end) }
+        }
+    }
 }
 
 fn reproduce(contents: &Contents<'_>) -> Markup {

@@ -16,10 +16,14 @@ use crate::real::Real;
 use crate::rgb::Rgb;
 use bxdf_tests::Energy;
 
-/// Roughness of the isotropic cases, from where single precision still resolves the lobe to the largest.
+/// Roughness of the isotropic cases of the grid, from where single precision still resolves the lobe to the largest.
 const ALPHAS: [f64; 7] = [1e-3, 1e-2, 0.05, 0.1, 0.3, 0.5, 1.0];
-/// Roughness of the anisotropic cases.
-const ANISOTROPIC: [[f64; 2]; 2] = [[0.5, 0.2], [0.03, 0.3]];
+/// The shapes that have Smith masking, with their names and the roughness that the catalogue examines: every extreme of
+/// each; between them the shapes take turns.
+const SMITH: [(Shape, &str, &[f64]); 2] = [
+    (Shape::Ggx, "ggx", &[1e-3, 1e-2, 0.1, 0.5, 1.0]),
+    (Shape::Beckmann, "beckmann", &[1e-3, 0.05, 0.3, 1.0]),
+];
 /// Indices of refraction of the dielectric cases, from nearly matched to diamond.
 const ETAS: [f64; 4] = [1.0001, 1.1, 1.5, 2.42];
 /// Data sets of the metals in the cases.
@@ -174,9 +178,6 @@ pub(super) fn of_lobe<F: Real>(kind: LobeKind) -> Result<Vec<BxdfSpecimen<F>>, C
     Ok(cases)
 }
 
-/// The shapes that have Smith masking, with their names.
-const SMITH: [(Shape, &str); 2] = [(Shape::Ggx, "ggx"), (Shape::Beckmann, "beckmann")];
-
 fn isotropic<F: Real>(shape: Shape, alpha: f64) -> Result<Distribution<F>, OutOfRange> {
     Distribution::new(shape, F::from_f64(alpha), F::from_f64(alpha))
 }
@@ -197,36 +198,38 @@ fn rough_reflectors<F: Real>() -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> {
     };
     let gold = conductor("gold/Johnson-1972")?;
     let white = Fresnel::constant(Rgb::WHITE)?;
-    for (shape, name) in SMITH {
-        for alpha in ALPHAS {
+    for (shape, name, alphas) in SMITH {
+        for &alpha in alphas {
             push(format!("rough_conductor/{name}_{alpha}"), isotropic(shape, alpha)?, gold);
-        }
-        for [x, y] in ANISOTROPIC {
-            push(format!("rough_conductor/{name}_{x}_{y}"), anisotropic(shape, [x, y])?, gold);
         }
         push(format!("rough_mirror/{name}_0.5"), isotropic(shape, 0.5)?, white);
         push(format!("smooth_limit/{name}_9e-5"), isotropic(shape, 9e-5)?, gold);
-        for (index, eta) in [("1.5", 1.5), ("1_over_1.5", 1.0 / 1.5), ("1", 1.0)] {
-            push(
-                format!("rough_gloss/{name}_0.3_eta_{index}"),
-                isotropic(shape, 0.3)?,
-                Fresnel::dielectric(f(eta))?,
-            );
-        }
-        for (masking, shadowing) in
-            [("separable", Shadowing::SmithSeparable), ("v_cavity", Shadowing::VCavity)]
-        {
-            for alpha in [0.05, 0.5] {
-                let distribution = isotropic(shape, alpha)?.with_shadowing(shadowing)?;
-                push(format!("rough_conductor/{name}_{masking}_{alpha}"), distribution, gold);
-            }
-        }
+    }
+    push("rough_conductor/ggx_0.5_0.2".to_owned(), anisotropic(Shape::Ggx, [0.5, 0.2])?, gold);
+    push("rough_conductor/beckmann_0.03_0.3".to_owned(), anisotropic(Shape::Beckmann, [0.03, 0.3])?, gold);
+    for (shape, name, index, eta) in [
+        (Shape::Beckmann, "beckmann", "1.5", 1.5),
+        (Shape::Ggx, "ggx", "1_over_1.5", 1.0 / 1.5),
+        (Shape::Ggx, "ggx", "1", 1.0),
+    ] {
+        let gloss = Fresnel::dielectric(f(eta))?;
+        push(format!("rough_gloss/{name}_0.3_eta_{index}"), isotropic(shape, 0.3)?, gloss);
+    }
+    use Shadowing::{SmithSeparable, VCavity};
+    for (shape, alpha, shadowing, name) in [
+        (Shape::Ggx, 0.5, SmithSeparable, "ggx_separable"),
+        (Shape::Beckmann, 0.05, SmithSeparable, "beckmann_separable"),
+        (Shape::Ggx, 0.05, VCavity, "ggx_v_cavity"),
+        (Shape::Beckmann, 0.5, VCavity, "beckmann_v_cavity"),
+    ] {
+        let distribution = isotropic(shape, alpha)?.with_shadowing(shadowing)?;
+        push(format!("rough_conductor/{name}_{alpha}"), distribution, gold);
     }
     for table in &METALS[1..] {
         let (name, _) = table.split_once('/').unwrap_or((table, ""));
         push(format!("rough_conductor/{name}_ggx_0.2"), isotropic(Shape::Ggx, 0.2)?, conductor(table)?);
     }
-    for alpha in [0.01, 0.1, 0.3, 1.0] {
+    for alpha in [0.01, 0.3, 1.0] {
         push(format!("rough_conductor/gaussian_{alpha}"), isotropic(Shape::Gaussian, alpha)?, gold);
     }
     let brushed = anisotropic(Shape::Beckmann, [0.5, 0.2])?.with_shadowing(Shadowing::VCavity)?;
@@ -241,25 +244,23 @@ fn rough_dielectrics<F: Real>() -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> 
         cases.push(BxdfSpecimen::of_lobe(&name, MicrofacetDielectric::new(distribution, F::from_f64(eta))?));
         Ok::<(), OutOfRange>(())
     };
-    for (shape, name) in SMITH {
-        for alpha in ALPHAS {
+    for (shape, name, alphas) in SMITH {
+        for &alpha in alphas {
             push(format!("rough_dielectric/{name}_{alpha}_eta_1.5"), isotropic(shape, alpha)?, 1.5)?;
         }
     }
-    for (index, eta) in [
-        ("1.1", 1.1),
-        ("2.42", 2.42),
-        ("1_over_1.1", 1.0 / 1.1),
-        ("1_over_1.5", 1.0 / 1.5),
-        ("1_over_2.42", 1.0 / 2.42),
+    for (name, shape, alpha, index, eta) in [
+        ("ggx", Shape::Ggx, 0.5, "1.1", 1.1),
+        ("beckmann", Shape::Beckmann, 0.1, "2.42", 2.42),
+        ("ggx", Shape::Ggx, 0.01, "1_over_1.1", 1.0 / 1.1),
+        ("beckmann", Shape::Beckmann, 0.1, "1_over_1.5", 1.0 / 1.5),
+        ("ggx", Shape::Ggx, 0.5, "1_over_1.5", 1.0 / 1.5),
+        ("ggx", Shape::Ggx, 0.01, "1_over_2.42", 1.0 / 2.42),
+        ("ggx", Shape::Ggx, 0.5, "1_over_2.42", 1.0 / 2.42),
     ] {
-        push(format!("rough_dielectric/ggx_0.01_eta_{index}"), isotropic(Shape::Ggx, 0.01)?, eta)?;
-        push(format!("rough_dielectric/beckmann_0.1_eta_{index}"), isotropic(Shape::Beckmann, 0.1)?, eta)?;
-        push(format!("rough_dielectric/ggx_0.5_eta_{index}"), isotropic(Shape::Ggx, 0.5)?, eta)?;
+        push(format!("rough_dielectric/{name}_{alpha}_eta_{index}"), isotropic(shape, alpha)?, eta)?;
     }
-    for [x, y] in ANISOTROPIC {
-        push(format!("rough_dielectric/ggx_{x}_{y}_eta_1.5"), anisotropic(Shape::Ggx, [x, y])?, 1.5)?;
-    }
+    push("rough_dielectric/ggx_0.5_0.2_eta_1.5".to_owned(), anisotropic(Shape::Ggx, [0.5, 0.2])?, 1.5)?;
     let separable = isotropic(Shape::Ggx, 0.3)?.with_shadowing(Shadowing::SmithSeparable)?;
     push("rough_dielectric/ggx_separable_0.3_eta_1.5".to_owned(), separable, 1.5)?;
     let cavities = isotropic(Shape::Beckmann, 0.3)?.with_shadowing(Shadowing::VCavity)?;
@@ -340,7 +341,7 @@ fn coats<F: Real>() -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> {
 pub(super) fn grid<F: Real>() -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> {
     let f = F::from_f64;
     let mut distributions = Vec::new();
-    for (shape, name) in SMITH {
+    for (shape, name, _) in SMITH {
         for alpha in [1e-4].into_iter().chain(ALPHAS) {
             distributions.push((format!("{name}_{alpha}"), isotropic(shape, alpha)?));
         }

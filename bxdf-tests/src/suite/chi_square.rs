@@ -1,11 +1,15 @@
 //! Samples follow the pdf: Pearson's χ² at three resolutions, with the deltas and the no-sample cell in the
-//! same table.
+//! same table, and smooth contrasts of the finest.
 
 use super::{Examination, PValue, Surveyed};
-use crate::binning::RESOLUTIONS;
-use crate::statistics::{ln_binomial_two_sided, ln_pearson_tail, ln_poisson_upper_tail};
+use crate::binning::{Point, RESOLUTIONS};
+use crate::contrasts::{self, Place, Placed, contrasts};
+use crate::statistics::{
+    detectable_mean, detectable_noncentrality, ln_binomial_two_sided, ln_pearson_tail, ln_poisson_upper_tail,
+    ln_sidak,
+};
 use crate::survey::{Survey, Tally};
-use crate::verdict::{Check, Ledger};
+use crate::verdict::{Check, Detectable, Ledger};
 
 /// Expected count below which cells are pooled.
 const POOLED_BELOW: f64 = 5.0;
@@ -24,9 +28,16 @@ const WHAT: [&str; RESOLUTIONS] = [
     "-log10 p of chi-square, fine cells",
 ];
 
+/// What they find: a deviation of the density that their cells resolve.
+const DEVIATION: [&str; RESOLUTIONS] = [
+    "a deviation of the density, rms over coarse cells,",
+    "a deviation of the density, rms over medium cells,",
+    "a deviation of the density, rms over fine cells,",
+];
+
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     for surveyed in examination.surveys() {
-        examination.judge(surveyed, ledger, |survey, tally| tails(examination, survey, tally));
+        examination.judge(surveyed, ledger, |survey, tally| p_values(examination, survey, tally));
         let unusable = |surveyed: &Surveyed| surveyed.tally.as_ref().and_then(|tally| tally.unusable);
         let second = || surveyed.second.get().and_then(|second| unusable(second));
         if let Some(scatter) = unusable(surveyed).or_else(second) {
@@ -53,41 +64,76 @@ impl Row {
     }
 }
 
-/// χ² at each resolution, and the most surprising of the cells that expect next to nothing.
-fn tails(examination: &Examination<'_>, survey: &Survey, tally: &Tally) -> Vec<PValue> {
-    let mut rare: Vec<Row> = Vec::new();
+/// χ² at each resolution, the most surprising of the cells that expect next to nothing, and the contrasts.
+pub(super) fn p_values(examination: &Examination<'_>, survey: &Survey, tally: &Tally) -> Vec<PValue> {
+    let mut finest: Vec<Row> = Vec::new();
     let mut samples = tally.samples as f64;
-    let mut tails: Vec<PValue> = (0..RESOLUTIONS)
+    let mut p_values: Vec<PValue> = (0..RESOLUTIONS)
         .map(|level| {
             let rows;
             (rows, samples) = table(examination, survey, tally, level);
-            if level == RESOLUTIONS - 1 {
-                rare = rows.iter().copied().filter(|row| samples * row.probability < POOLED_BELOW).collect();
-            }
-            let Pearson { ln_p, cells, is_uncertain } = pearson(rows, samples);
             let is_finest = level == RESOLUTIONS - 1;
-            let is_blind = is_finest && cells < LEAST_CELLS && survey.integral.value[0] > 0.01;
-            let inconclusive = match (is_uncertain, is_blind) {
+            if is_finest {
+                finest.clone_from(&rows);
+            }
+            let pearson = pearson(rows, samples);
+            let is_blind = is_finest && pearson.cells < LEAST_CELLS && survey.integral.value[0] > 0.01;
+            let inconclusive = match (pearson.is_uncertain, is_blind) {
                 (true, _) => Some("the expected counts are too uncertain"),
                 (_, true) => Some("the lobe is narrower than the cells that its precision can tell apart"),
                 _ => None,
             };
-            let cells = is_finest.then_some(cells);
-            PValue { what: WHAT[level], ln_p, samples: tally.samples, cells, inconclusive }
+            let detectable = examination
+                .detectable(DEVIATION[level], |ln_level, samples| pearson.detectable(ln_level, samples));
+            let cells = is_finest.then_some(pearson.cells);
+            let ln_p = pearson.ln_p;
+            PValue { what: WHAT[level], ln_p, samples: tally.samples, cells, detectable, inconclusive }
         })
         .collect();
-    let surprise = rare
-        .iter()
+    let rare = || finest.iter().filter(|row| samples * row.probability < POOLED_BELOW);
+    let surprise = rare()
         .map(|row| ln_poisson_upper_tail(row.observed, samples * (row.probability.max(0.0) + row.error)))
         .fold(0.0, least);
-    tails.push(PValue {
-        what: "-log10 p of samples where the pdf is next to nothing",
-        ln_p: bonferroni(surprise, rare.len().max(1)),
-        samples: 0,
+    let of = |what: &'static str, ln_p: f64, detectable: Option<Detectable<&'static str>>| PValue {
+        what,
+        ln_p,
+        samples: tally.samples,
         cells: None,
+        detectable,
         inconclusive: None,
+    };
+    let surprise = ln_sidak(surprise, rare().count().max(1));
+    p_values.push(of("-log10 p of samples where the pdf is next to nothing", surprise, None));
+    let contrasts = contrasts(&placed(survey, &finest), samples);
+    p_values.extend(contrasts.iter().zip(contrasts::WHAT).map(|(contrast, what)| {
+        let Some(contrast) = contrast else { return of(what, 0.0, None) };
+        let tilt = "a smooth tilt of the density along a contrast, rms,";
+        let detectable = examination.detectable(tilt, |ln_level, samples| {
+            2.0 * contrast.error + detectable_mean(ln_level, 1.0, contrast.range, samples)
+        });
+        of(what, contrast.ln_p(samples), detectable)
+    }));
+    p_values
+}
+
+/// The rows of the finest table with their places: cells, deltas, and the lack of a sample if that is one of them.
+fn placed(survey: &Survey, rows: &[Row]) -> Vec<Placed> {
+    // From high density to low, from the upper pole to the lower, from behind the mirror direction around it.
+    let cells = survey.partition.cells.iter().map(|cell| {
+        let [v, azimuth] = cell.centre;
+        let polar = if cell.hemisphere == 0 { v } else { 2.0 - v };
+        [Some(-cell.ln_density), Some(polar), Some(azimuth)]
     });
-    tails
+    let deltas = survey.deltas.iter().map(|delta| {
+        let Point { hemisphere, at: [v, azimuth] } = survey.partition.chart.point(delta.scatter.wi);
+        let polar = if hemisphere == 0 { v } else { 2.0 - v };
+        [Some(f64::NEG_INFINITY), Some(polar), Some(azimuth)]
+    });
+    let none: Place = [Some(f64::INFINITY), None, None];
+    let places = cells.chain(deltas).chain([none]);
+    let placed =
+        |(&Row { probability, error, observed }, place)| Placed { place, probability, error, observed };
+    rows.iter().zip(places).map(placed).collect()
 }
 
 /// The rows at one resolution, and how many samples they are about.
@@ -125,12 +171,6 @@ fn least(a: f64, b: f64) -> f64 {
     if b.is_nan() || b < a { b } else { a }
 }
 
-/// ln of the smallest of `count` p-values, corrected for their number: at most 0, NaN stays.
-fn bonferroni(ln_p: f64, count: usize) -> f64 {
-    let corrected = ln_p + (count as f64).ln();
-    if corrected > 0.0 { 0.0 } else { corrected }
-}
-
 /// Whether a row must be pooled: it expects too little, or what it expects is too uncertain.
 fn is_poor(row: &Row, samples: f64) -> bool {
     samples * row.probability < POOLED_BELOW
@@ -144,11 +184,33 @@ struct Pearson {
     cells: usize,
     /// The expected counts are too uncertain for a conclusion.
     is_uncertain: bool,
+    /// √Σ δ²/p of the errors δ of the probabilities p.
+    error: f64,
+    /// The smallest probability of a row after pooling.
+    least: f64,
+}
+
+impl Pearson {
+    /// The rms deviation, relative and over the cells, that reaches a level with probability 0.995.
+    fn detectable(&self, ln_level: f64, samples: f64) -> f64 {
+        let freedom = self.cells as f64 - 1.0;
+        if freedom < 1.0 {
+            return f64::NAN;
+        }
+        2.0 * self.error
+            + if self.cells < FEW_POOLS {
+                // Each of the binomials may have to see its share alone.
+                let range = 1.0 / (self.least * (1.0 - self.least)).sqrt();
+                freedom.sqrt() * detectable_mean(ln_level - freedom.ln(), 1.0, range, samples)
+            } else {
+                (detectable_noncentrality(ln_level, freedom) / samples).sqrt()
+            }
+    }
 }
 
 fn pearson(mut rows: Vec<Row>, samples: f64) -> Pearson {
     if rows.iter().any(|row| row.probability.is_nan()) {
-        return Pearson { ln_p: f64::NAN, cells: 0, is_uncertain: false };
+        return Pearson { ln_p: f64::NAN, cells: 0, is_uncertain: false, error: f64::NAN, least: f64::NAN };
     }
     // Pooled by expectation and its error, never by what was observed.
     rows.sort_by(|a, b| a.probability.total_cmp(&b.probability));
@@ -169,17 +231,11 @@ fn pearson(mut rows: Vec<Row>, samples: f64) -> Pearson {
     {
         neighbour.add(last);
     }
+    let least = pools.iter().fold(1.0, |least: f64, pool| least.min(pool.probability));
+    let error = pools.iter().map(|pool| pool.error.powi(2) / pool.probability).sum::<f64>().sqrt();
     if pools.len() < FEW_POOLS {
-        // Two moments do not describe the tail of so few cells; each is counted exactly instead.
-        let surprise = pools
-            .iter()
-            .map(|Row { probability, error, observed }| {
-                let (low, high) = (probability - error, probability + error);
-                ln_binomial_two_sided(*observed, samples as u64, low, high)
-            })
-            .fold(0.0, least);
-        let ln_p = bonferroni(surprise, pools.len());
-        return Pearson { ln_p, cells: pools.len(), is_uncertain: false };
+        let ln_p = ln_few_pools(&pools, samples);
+        return Pearson { ln_p, cells: pools.len(), is_uncertain: false, error, least };
     }
     let total: f64 = pools.iter().map(|pool| pool.probability).sum();
     let probabilities: Vec<f64> = pools.iter().map(|pool| pool.probability / total).collect();
@@ -189,7 +245,7 @@ fn pearson(mut rows: Vec<Row>, samples: f64) -> Pearson {
             (pool.observed as f64 - samples * pool.probability).powi(2) / (samples * pool.probability)
         })
         .sum();
-    let quadrature: f64 = pools.iter().map(|pool| samples * pool.error.powi(2) / pool.probability).sum();
+    let quadrature = samples * error * error;
     // √X² is a distance; expected counts that are off by δ move it by no more than the length of δ/√E.
     let distance = statistic.sqrt() - quadrature.sqrt();
     let statistic = if distance < 0.0 { 0.0 } else { distance * distance };
@@ -198,7 +254,29 @@ fn pearson(mut rows: Vec<Row>, samples: f64) -> Pearson {
         ln_p: ln_pearson_tail(statistic, &probabilities, samples),
         cells: pools.len(),
         is_uncertain: quadrature > TOLERATED * deviation,
+        error,
+        least,
     }
+}
+
+/// ln p of a table of few pools, for whose tail two moments are not enough: each is counted exactly among the
+/// samples that those before it leave. These binomials are independent and together the multinomial.
+fn ln_few_pools(pools: &[Row], samples: f64) -> f64 {
+    let mut rest = Row { probability: 1.0, error: 0.0, observed: samples as u64 };
+    // The last pool is what the others leave; a single one is all.
+    let tests = pools.len().saturating_sub(1).max(1);
+    let surprise = pools[..tests].iter().map(|pool| {
+        let low = (pool.probability - pool.error) / (rest.probability + rest.error);
+        let high = (pool.probability + pool.error) / (rest.probability - rest.error).max(0.0);
+        let ln_p = ln_binomial_two_sided(pool.observed, rest.observed, low, high);
+        rest = Row {
+            probability: rest.probability - pool.probability,
+            error: rest.error + pool.error,
+            observed: rest.observed - pool.observed.min(rest.observed),
+        };
+        ln_p
+    });
+    ln_sidak(surprise.fold(0.0, least), tests)
 }
 
 #[cfg(test)]
@@ -237,17 +315,22 @@ mod tests {
     #[test]
     fn a_tail_that_cannot_be_computed_is_not_forgotten() {
         for p_values in [[f64::NAN, -3.0, -50.0], [-50.0, f64::NAN, -3.0], [-3.0, -50.0, f64::NAN]] {
-            assert!(bonferroni(p_values.into_iter().fold(0.0, least), 3).is_nan());
+            assert!(ln_sidak(p_values.into_iter().fold(0.0, least), 3).is_nan());
         }
-        assert_eq!(bonferroni([-3.0, -50.0].into_iter().fold(0.0, least), 1), -50.0);
+        assert_eq!(ln_sidak([-3.0, -50.0].into_iter().fold(0.0, least), 1), -50.0);
         let broken = vec![Row { error: f64::NAN, ..row(0.5, 500) }, row(0.5, 500)];
         assert!(pearson(broken, 1000.0).ln_p.is_nan());
     }
 
     #[test]
     fn few_cells_are_counted_exactly() {
-        // P(X ≥ 17), X ~ Binomial(1e5, 5e-5), is 2.0e-5; doubled for two sides and for two cells.
+        // P(X ≥ 17), X ~ Binomial(1e5, 5e-5), is 2.0e-5; doubled for two sides.
         let few = pearson(vec![row(5e-5, 17), row(1.0 - 5e-5, 99_983)], 1e5).ln_p.exp();
-        assert!((few - 7.94e-5).abs() < 1e-6, "{few:e}");
+        assert!((few - 3.97e-5).abs() < 5e-7, "{few:e}");
+        // Where the first is as expected, the second counts among the rest: P(X ≥ 1400), X ~ Binomial(4000, 1/3).
+        let rows = vec![row(0.2, 1000), row(4.0 / 15.0, 1400), row(8.0 / 15.0, 2600)];
+        let alone = ln_binomial_two_sided(1400, 4000, 1.0 / 3.0, 1.0 / 3.0);
+        let few = pearson(rows, 5000.0).ln_p;
+        assert!((few - ln_sidak(alone, 2)).abs() < 1e-12, "{few}");
     }
 }

@@ -1,19 +1,26 @@
 //! Values, densities and weights are finite and not negative, at the edges of the domain above all.
 
-use super::{Examination, Surveyed, length};
+use super::{Examination, Surveyed};
 use crate::Precision;
-use crate::plan::{AZIMUTHS, POLAR_DEG, direction};
-use crate::specimen::{Direction, Measure, Transport};
-use crate::verdict::{Check, Ledger, Witness};
+use crate::calls;
+use crate::plan::{self, AZIMUTHS, POLAR_DEG, Setting};
+use crate::search::{Effort, around, direction, search, setting, uniform};
+use crate::specimen::{Direction, Transport};
+use crate::verdict::{Check, Ledger, Returned, Witness};
 
 /// Cosines at and near both ends, down to numbers that single precision cannot hold.
 const COSINES: [f64; 12] =
     [1.0, 1.0 - 1e-15, 1.0 - 1e-7, 0.5, 1e-2, 1e-4, 1e-8, 1e-15, 1e-25, 1.2e-38, 1e-300, 0.0];
 
+/// Of the adversarial search.
+const EFFORT: Effort = Effort { sweep: 8192, starts: 3, steps: 200 };
+/// The lowest cosine that is searched.
+const LOWEST: f64 = 1e-30;
+
 fn edge_directions(precision: Precision) -> Vec<Direction> {
     let mut directions: Vec<_> = POLAR_DEG
         .iter()
-        .flat_map(|&polar| AZIMUTHS[1..].iter().map(move |&phi| direction(polar, phi)))
+        .flat_map(|&polar| AZIMUTHS[1..].iter().map(move |&phi| plan::direction(polar, phi)))
         .collect();
     for cosine in COSINES {
         let sine = ((1.0 - cosine) * (1.0 + cosine)).sqrt();
@@ -34,79 +41,81 @@ fn edge_uniforms(precision: Precision) -> Vec<f64> {
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     // Inside the domain: every node of the cubature and every counted sample.
     for Surveyed { setting, survey, tally, .. } in examination.surveys() {
-        let what = "f, pdf [1/sr] or weight anywhere inside is finite and not negative";
-        for lowest in [survey.lowest].into_iter().chain(tally.as_ref().map(|tally| tally.lowest_weight)) {
-            ledger.record(not_negative(what, lowest, setting.witness()));
+        let fine = Check::new("f, pdf [1/sr] and samples anywhere inside", 0.0, 0.0, setting.witness());
+        for fault in [survey.fault].into_iter().chain(tally.as_ref().map(|tally| tally.fault)) {
+            ledger.record(fault.unwrap_or(fine));
         }
     }
-    let (specimen, claims) = (examination.specimen, &examination.claims);
-    let epsilon = claims.precision.epsilon();
-    let edges = edge_directions(claims.precision);
-    let uniforms = edge_uniforms(claims.precision);
+    let precision = examination.claims.precision;
+    let edges = edge_directions(precision);
+    let uniforms = edge_uniforms(precision);
     for transport in [Transport::Radiance, Transport::Importance] {
         for &wo in &edges {
-            let witness = Witness::at(wo, transport);
             let special = [wo, wo.map(|x| -x), [-wo[0], -wo[1], wo[2]]];
             for &wi in edges.iter().chain(&special) {
-                let witness = witness.with_wi(wi);
-                let values = specimen.eval(wo, wi, transport);
-                for f in values {
-                    ledger.record(not_negative("f [1/sr] is finite and not negative", f, witness));
-                }
-                let pdf = specimen.pdf(wo, wi, transport);
-                ledger.record(not_negative("pdf [1/sr] is finite and not negative", pdf, witness));
-                if !claims.transmits && wo[2] * wi[2] < 0.0 {
-                    let through = values.into_iter().fold(pdf, f64::max);
-                    let what = "f or pdf [1/sr] on the other side, which is not claimed";
-                    ledger.record(Check::new(what, through, 0.0, witness));
-                }
+                check_values(examination, ledger, [wo, wi], transport);
             }
             for &uc in &uniforms {
                 for &u0 in &uniforms {
                     for &u1 in &uniforms {
-                        let numbers = [uc, u0, u1];
-                        let Some(scatter) = specimen.sample(wo, numbers, transport) else { continue };
-                        let witness = witness.with_wi(scatter.wi).with_uniforms(numbers);
-                        for weight in scatter.weight {
-                            ledger.record(not_negative("weight is finite and not negative", weight, witness));
-                        }
-                        let (Measure::SolidAngle(density) | Measure::Discrete(density)) = scatter.density;
-                        ledger.record(not_negative("density is finite and not negative", density, witness));
-                        ledger.record(Check::new(
-                            "a sampled direction has a positive density",
-                            f64::from(density <= 0.0),
-                            0.0,
-                            witness,
-                        ));
-                        let excess = (length(scatter.wi) - 1.0).abs();
-                        ledger.record(Check::new(
-                            "deviation of the length of a sampled direction from 1",
-                            excess,
-                            16.0 * epsilon,
-                            witness,
-                        ));
-                        let crossed = scatter.wi[2] * wo[2] < 0.0;
-                        ledger.record(Check::new(
-                            "a sample on the other side, which is not claimed",
-                            f64::from(crossed && !claims.transmits),
-                            0.0,
-                            witness,
-                        ));
+                        check_sample(examination, ledger, wo, [uc, u0, u1], transport);
                     }
                 }
             }
         }
     }
+    search(examination, ledger, "finite", EFFORT, |examination, ledger, [a, b, c, d, e, u, v, w]| {
+        let precision = examination.claims.precision;
+        let Setting { wo, transport, .. } = setting(&examination.claims, [a, b, c], LOWEST);
+        let wi = direction([d, e], LOWEST, precision);
+        let mirrored = around([-wo[0], -wo[1], wo[2]], [d, e], precision);
+        let numbers = [u, v, w].map(|u| uniform(u, precision));
+        let mut largest: f64 = 0.0;
+        for wo in [wo, wo.map(|x| -x)] {
+            let sampled = check_sample(examination, ledger, wo, numbers, transport);
+            for wi in [wi, wi.map(|x| -x), mirrored].into_iter().chain(sampled) {
+                largest = largest.max(check_values(examination, ledger, [wo, wi], transport));
+            }
+        }
+        largest
+    });
 }
 
-/// Holds for values in [0, ∞).
-fn not_negative(what: &'static str, value: f64, witness: Witness) -> Check {
-    let wrong = if value.is_nan() {
-        f64::NAN
-    } else if value < 0.0 || value.is_infinite() {
-        value.abs()
-    } else {
-        0.0
-    };
-    Check::new(what, wrong, 0.0, witness)
+/// Checks f and pdf of a pair of directions; the largest of them and of the weight that they make.
+fn check_values(
+    examination: &Examination<'_>,
+    ledger: &mut Ledger,
+    [wo, wi]: [Direction; 2],
+    transport: Transport,
+) -> f64 {
+    let (specimen, claims) = (examination.specimen, &examination.claims);
+    let witness = Witness::at(wo, transport).with_wi(wi);
+    let values = specimen.eval(wo, wi, transport);
+    calls::of_eval(values, witness).into_iter().for_each(|check| ledger.record(check));
+    let pdf = specimen.pdf(wo, wi, transport);
+    ledger.record(calls::of_pdf(pdf, witness));
+    let largest = values.into_iter().fold(0.0, f64::max);
+    if !claims.transmits && wo[2] * wi[2] < 0.0 {
+        for (call, value) in [("eval", largest), ("pdf", pdf)] {
+            let what = "f or pdf [1/sr] on the other side, which is not claimed";
+            let returned = Some(Returned { call, value });
+            ledger.record(Check { returned, ..Check::new(what, value, 0.0, witness) });
+        }
+    }
+    let weight = if pdf > 0.0 { largest * wi[2].abs() / pdf } else { 0.0 };
+    largest.max(pdf).max(weight)
+}
+
+/// Checks one sample, and gives its direction.
+fn check_sample(
+    examination: &Examination<'_>,
+    ledger: &mut Ledger,
+    wo: Direction,
+    numbers: [f64; 3],
+    transport: Transport,
+) -> Option<Direction> {
+    let scatter = examination.specimen.sample(wo, numbers, transport)?;
+    let witness = Witness::at(wo, transport).with_uniforms(numbers);
+    calls::of_sample(&scatter, &examination.claims, witness).for_each(|check| ledger.record(check));
+    Some(scatter.wi)
 }

@@ -34,15 +34,17 @@ fn integral(effort: Effort, azimuth: f64, g: &dyn Fn(Direction) -> f64) -> Integ
     let strips = Rectangle { low: [-LOG_TANGENT, -PI], high: [LOG_TANGENT, PI] }.grid(12, 1);
     let pieces: Vec<Region> =
         strips.into_iter().flat_map(|strip| Region::from(strip).cut(1, &cuts())).collect();
-    let mut integrand = |logs: &[f64; NODES], phis: &[f64; NODES], values: &mut [[f64; 1]]| {
-        let azimuths = phis.map(|phi| libm::sincos(azimuth + phi));
-        for (i, &log) in logs.iter().enumerate() {
+    let mut integrand = |logs: &[f64], phis: &[f64], values: &mut [[f64; 1]]| {
+        let mut azimuths = [(0.0, 0.0); NODES];
+        let azimuths = &mut azimuths[..phis.len()];
+        azimuths.iter_mut().zip(phis).for_each(|(turned, phi)| *turned = libm::sincos(azimuth + phi));
+        for (&log, row) in logs.iter().zip(values.chunks_exact_mut(phis.len())) {
             let tangent = libm::exp(log);
             let z = 1.0 / (1.0 + tangent * tangent).sqrt();
             let sine = tangent * z;
-            for (j, (sin_phi, cos_phi)) in azimuths.iter().enumerate() {
+            for (value, (sin_phi, cos_phi)) in row.iter_mut().zip(&*azimuths) {
                 // dω = sin θ dθ dφ = sin²θ cos θ d(ln tan θ) dφ
-                values[i * NODES + j] = [g([sine * cos_phi, sine * sin_phi, z]) * sine * sine * z];
+                *value = [g([sine * cos_phi, sine * sin_phi, z]) * sine * sine * z];
             }
         }
     };
@@ -58,15 +60,20 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
         Precision::F32 => (1e-5, 1e-6),
         Precision::F64 => (1e-9, 1e-7),
     };
-    let effort = Effort { absolute, leading: 1, rectangles: 2000 };
-    let mut is_one = |what, result: Integral<1>, witness| {
-        let error = (result.value[0] - 1.0).abs();
+    let effort = Effort { absolute, leading: 1, rectangles: 2000, tries_few_nodes: false };
+    let mut is_one = |what, integral: &dyn Fn(Effort) -> Integral<1>, witness| {
+        let error = |result: &Integral<1>| (result.value[0] - 1.0).abs();
+        // A smaller rule misses a kink now and then: what seems to contradict the claim is integrated again.
+        let quick = integral(Effort { tries_few_nodes: true, ..effort });
+        let holds = error(&quick) <= quick.error[0] + rounding;
+        let result = if holds { quick } else { integral(effort) };
+        let error = error(&result);
         let mut check = Check::new(what, error, result.error[0] + rounding, witness);
         check.inconclusive = (result.error[0] > 1e-3).then_some("the integral does not converge");
         ledger.record(check);
     };
-    let flat = integral(effort, 0.0, &|m| surface.d(m) * m[2]);
-    is_one("∫ D cos θ - 1", flat, Witness::default());
+    let flat = |effort| integral(effort, 0.0, &|m| surface.d(m) * m[2]);
+    is_one("∫ D cos θ - 1", &flat, Witness::default());
     let azimuths = if examination.claims.isotropic { &AZIMUTHS[1..2] } else { &AZIMUTHS[..] };
     let directions: Vec<Direction> =
         POLAR_DEG.iter().flat_map(|&polar| azimuths.iter().map(move |&phi| direction(polar, phi))).collect();
@@ -74,13 +81,14 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
         let witness = Witness::at(w, Transport::Radiance);
         let azimuth = libm::atan2(w[1], w[0]);
         // Weak white furnace: what is seen of the micro surface is the macro surface.
-        let seen =
-            integral(effort, azimuth, &|m| surface.d(m) * surface.g1(w, m) * dot(w, m).max(0.0) / w[2]);
-        is_one("∫ D G1 (w·m) / cos θ - 1 (weak white furnace)", seen, witness);
+        let seen = |m| surface.d(m) * surface.g1(w, m) * dot(w, m).max(0.0) / w[2];
+        let seen = |effort| integral(effort, azimuth, &seen);
+        is_one("∫ D G1 (w·m) / cos θ - 1 (weak white furnace)", &seen, witness);
         // It draws visible normals from everywhere or from nowhere.
         if surface.visible_pdf(w, w).is_some() {
-            let visible = integral(effort, azimuth, &|m| surface.visible_pdf(w, m).unwrap_or(f64::NAN));
-            is_one("∫ density of visible normals - 1", visible, witness);
+            let visible = |m| surface.visible_pdf(w, m).unwrap_or(f64::NAN);
+            let visible = |effort| integral(effort, azimuth, &visible);
+            is_one("∫ density of visible normals - 1", &visible, witness);
         }
     }
     pointwise(examination, ledger, surface, &directions);

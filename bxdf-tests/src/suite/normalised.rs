@@ -1,16 +1,19 @@
 //! The density, the deltas and the probability of no sample make one.
 
 use super::{Examination, PValue};
-use crate::statistics::ln_binomial_two_sided;
+use crate::statistics::{detectable_rate, ln_binomial_two_sided};
+use crate::survey::{Survey, Tally};
 use crate::verdict::{Check, Ledger};
 
 /// Error of the mass above which nothing is said about it.
 const WORST_ERROR: f64 = 0.01;
+/// Mass that samples cannot miss by chance.
+const NEVER: f64 = 0.01;
 
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     let precision = examination.claims.precision;
     for surveyed in examination.surveys() {
-        let decisive = examination.decisive(surveyed, |survey| {
+        let decisive = examination.decisive(surveyed, ledger, |survey| {
             let [none, error] = survey.no_sample(precision);
             -none <= error
         });
@@ -19,15 +22,26 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
         let mut mass = Check::new("mass of the pdf and the deltas above 1", -none, error, witness);
         mass.inconclusive = (error > WORST_ERROR).then_some("the integral of the pdf does not converge");
         ledger.record(mass);
-        examination.judge(surveyed, ledger, |survey, tally| {
-            let [none, error] = survey.no_sample(precision);
-            let ln_p = if none.is_nan() {
-                f64::NAN
-            } else {
-                ln_binomial_two_sided(tally.none, tally.samples, none - error, none + error)
-            };
-            let what = "-log10 p that the rate of no sample is what the pdf leaves";
-            vec![PValue { what, ln_p, samples: tally.samples, cells: None, inconclusive: None }]
-        });
+        if let Some(tally) = &surveyed.tally {
+            let never = tally.none == tally.samples && 1.0 - none - error > NEVER;
+            let what = "`sample` never returned a direction; ∫ pdf + Σ delta masses";
+            ledger.record(Check::new(what, if never { 1.0 - none } else { 0.0 }, 0.0, witness));
+        }
+        examination.judge(surveyed, ledger, |survey, tally| p_values(examination, survey, tally));
     }
+}
+
+/// The rate of no sample.
+pub(super) fn p_values(examination: &Examination<'_>, survey: &Survey, tally: &Tally) -> Vec<PValue> {
+    let [none, error] = survey.no_sample(examination.claims.precision);
+    let ln_p = if none.is_nan() {
+        f64::NAN
+    } else {
+        ln_binomial_two_sided(tally.none, tally.samples, none - error, none + error)
+    };
+    let what = "an error of the probability of no sample, absolute,";
+    let detectable =
+        examination.detectable(what, |ln_level, samples| detectable_rate(ln_level, none, error, samples));
+    let what = "-log10 p that the rate of no sample is what the pdf leaves";
+    vec![PValue { what, ln_p, samples: tally.samples, cells: None, detectable, inconclusive: None }]
 }

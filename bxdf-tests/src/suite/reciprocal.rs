@@ -3,6 +3,7 @@
 use super::{Examination, normalized};
 use crate::deltas::{Deltas, distance};
 use crate::plan::Setting;
+use crate::search::{Effort, around, direction, search, setting, uniform};
 use crate::specimen::{Direction, Measure, Scatter, Transport};
 use crate::survey::{draw, uniforms};
 use crate::verdict::{Check, Ledger, Witness};
@@ -12,6 +13,12 @@ use rand_pcg::Pcg64;
 const SAMPLED: usize = 128;
 /// Pairs of directions anywhere, a third of them grazing.
 const ANYWHERE: usize = 3000;
+/// Of the adversarial search.
+const EFFORT: Effort = Effort { sweep: 2048, starts: 3, steps: 200 };
+/// Of the search among deltas: each check follows several sweeps over all of them.
+const EFFORT_DELTAS: Effort = Effort { sweep: 32, starts: 1, steps: 24 };
+/// The lowest cosine that is searched.
+const GRAZING: f64 = 1e-7;
 
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     let (specimen, claims) = (examination.specimen, &examination.claims);
@@ -48,6 +55,32 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
         let wi = anywhere(&mut generator, examination, i % 2 == 0);
         compare(examination, ledger, wo, wi);
     }
+    search(examination, ledger, "reciprocal", EFFORT, |examination, ledger, [a, b, c, u, v, w]| {
+        let (specimen, precision) = (examination.specimen, examination.claims.precision);
+        let setting = setting(&examination.claims, [a, b, c], GRAZING);
+        let wo @ [x, y, z] = setting.wo;
+        compare(examination, ledger, wo, around([-x, -y, z], [u, v], precision));
+        let [i, j, k] = direction([u, v], GRAZING, precision);
+        compare(examination, ledger, wo, [i, j, if w < 0.5 { k } else { -k }]);
+        let uniforms = [u, v, w].map(|u| uniform(u, precision));
+        let sample = specimen.sample(wo, uniforms, setting.transport);
+        if let Some(scatter @ Scatter { wi, density: Measure::SolidAngle(_), .. }) = sample {
+            compare(examination, ledger, wo, wi);
+            if wo[2] * wi[2] < 0.0 {
+                compare_modes(examination, ledger, &setting, &scatter);
+            }
+        }
+        0.0
+    });
+    search(examination, ledger, "reciprocal delta", EFFORT_DELTAS, |examination, ledger, [a, b, c, u]| {
+        let setting = setting(&examination.claims, [a, b, c], GRAZING);
+        let uniforms = [uniform(u, examination.claims.precision), 0.5, 0.5];
+        let sample = examination.specimen.sample(setting.wo, uniforms, setting.transport);
+        if let Some(scatter @ Scatter { density: Measure::Discrete(_), .. }) = sample {
+            compare_deltas(examination, ledger, &setting, uniforms, &scatter);
+        }
+        0.0
+    });
 }
 
 /// A direction on the sphere, uniform or close to the tangent plane.
@@ -71,15 +104,17 @@ fn compare(examination: &Examination<'_>, ledger: &mut Ledger, a: Direction, b: 
     let backward = specimen.eval(b, a, Transport::Radiance);
     for &transport in transports {
         let forward = specimen.eval(a, b, transport);
+        let witness = Witness::at(a, transport).with_wi(b);
+        if forward == backward {
+            ledger.record(Check::new(WHAT, 0.0, 1.0, witness));
+            continue;
+        }
+        let forth = examination.rounding_errors(b, forward, |w| specimen.eval(a, w, transport));
+        let back = examination.rounding_errors(a, backward, |w| specimen.eval(b, w, Transport::Radiance));
         for channel in 0..3 {
-            let (f, g) = (forward[channel], backward[channel]);
-            if f == g {
-                ledger.record(Check::new(WHAT, 0.0, 1.0, Witness::at(a, transport).with_wi(b)));
-                continue;
-            }
-            let allowed = examination.rounding_error(b, f, |w| specimen.eval(a, w, transport)[channel])
-                + examination.rounding_error(a, g, |w| specimen.eval(b, w, Transport::Radiance)[channel]);
-            ledger.record(Check::new(WHAT, (f - g).abs(), allowed, Witness::at(a, transport).with_wi(b)));
+            let (difference, allowed) =
+                ((forward[channel] - backward[channel]).abs(), forth[channel] + back[channel]);
+            ledger.record(Check::new(WHAT, difference, allowed, witness));
         }
     }
 }
@@ -93,17 +128,20 @@ fn compare_modes(
     Setting { wo, transport, .. }: &Setting,
     scatter: &Scatter,
 ) {
-    let value = |w: Direction, transport| examination.specimen.eval(*wo, w, transport);
-    let importance = value(scatter.wi, Transport::Importance);
-    let radiance = value(scatter.wi, Transport::Radiance);
     let squared = scatter.eta * scatter.eta;
+    let value = |w: Direction, transport| examination.specimen.eval(*wo, w, transport);
+    let importance = |w: Direction| value(w, Transport::Importance);
+    let radiance = |w: Direction| value(w, Transport::Radiance).map(|f| squared * f);
+    let (forth, back) = (importance(scatter.wi), radiance(scatter.wi));
+    let allowed = [
+        examination.rounding_errors(scatter.wi, forth, importance),
+        examination.rounding_errors(scatter.wi, back, radiance),
+    ];
     for channel in 0..3 {
-        let (f, g) = (importance[channel], squared * radiance[channel]);
-        let allowed = examination.rounding_error(scatter.wi, f, |w| value(w, Transport::Importance)[channel])
-            + examination.rounding_error(scatter.wi, g, |w| squared * value(w, Transport::Radiance)[channel]);
         let what = "f of importance against η² f of radiance [1/sr]";
         let witness = Witness::at(*wo, *transport).with_wi(scatter.wi);
-        ledger.record(Check::new(what, (f - g).abs(), allowed, witness));
+        let difference = (forth[channel] - back[channel]).abs();
+        ledger.record(Check::new(what, difference, allowed[0][channel] + allowed[1][channel], witness));
     }
 }
 
@@ -124,33 +162,32 @@ fn compare_deltas(
     let sweep = |wo, transport| {
         Deltas::sweep(examination.specimen, examination.claims.precision, wo, transport, uniforms)
     };
-    // Where the way back leads, and with what power.
+    // How far the way back misses where it came from, and its power per channel.
     let back = |w: Direction| {
         let deltas = sweep(w, backward);
-        let wi = deltas.closest(setting.wo)?.scatter.wi;
-        Some((wi, deltas.power_towards(wi, backward)))
+        let Some(wi) = deltas.closest(setting.wo).map(|delta| delta.scatter.wi) else {
+            return [f64::INFINITY, 0.0, 0.0, 0.0];
+        };
+        let [r, g, b] = deltas.power_towards(wi, backward);
+        [distance(wi, setting.wo), r, g, b]
     };
     // The way back starts at a rounded direction. Near the critical angle rounding can close it, which is right if a
     // move of the direction opens it again; at grazing incidence it leads elsewhere.
     let reverse = back(forth.wi);
     let epsilon = examination.claims.precision.epsilon();
-    if let Some((wi, _)) = reverse {
-        let miss = |w: Direction| back(w).map_or(f64::INFINITY, |(wi, _)| distance(wi, setting.wo));
-        let missed = distance(wi, setting.wo);
-        let allowed = examination.rounding_error(forth.wi, missed, miss)
-            + index_error(forth, epsilon, missed, miss)
-            + 16.0 * epsilon;
+    let rounding = examination.rounding_errors(forth.wi, reverse, back);
+    let bending = examination.index_errors(forth, [0.0, 0.0, 1.0], reverse, back);
+    let allowed: [f64; 4] = core::array::from_fn(|i| rounding[i] + bending[i]);
+    let missed = reverse[0];
+    if missed.is_finite() {
         let what = "distance of a delta's way back from where it came";
-        ledger.record(Check::new(what, missed, allowed, witness));
+        ledger.record(Check::new(what, missed, allowed[0] + 16.0 * epsilon, witness));
     }
     let there = sweep(setting.wo, setting.transport).power_towards(forth.wi, setting.transport);
-    let here = reverse.map_or([0.0; 3], |(_, power)| power);
     for channel in 0..3 {
-        let value = |w: Direction| back(w).map_or(0.0, |(_, power)| power[channel]);
-        let allowed = examination.rounding_error(forth.wi, here[channel], value)
-            + index_error(forth, epsilon, here[channel], value);
         let what = "power of a delta against its way back in the other transport mode";
-        ledger.record(Check::new(what, (there[channel] - here[channel]).abs(), allowed, witness));
+        let difference = (there[channel] - reverse[1 + channel]).abs();
+        ledger.record(Check::new(what, difference, allowed[1 + channel], witness));
     }
 }
 
@@ -189,24 +226,4 @@ fn compare_solid_angles(
     let what = "η² of a refracted delta times how it squeezes solid angles, against 1";
     let witness = setting.witness().with_wi(forth.wi).with_uniforms(uniforms);
     ledger.record(Check::new(what, (forth.eta * forth.eta * squeezed - 1.0).abs(), allowed, witness));
-}
-
-/// How much `g` may change because the relative index is rounded: as much as when the tangential component of the
-/// refracted direction, which is the index times that of the other side, moves by 4 ε.
-///
-/// Near η = 1 at grazing incidence that is far more than rounding the direction itself: 1/η is not the inverse of η
-/// to the digits of η − 1.
-fn index_error(delta: &Scatter, epsilon: f64, value: f64, g: impl Fn(Direction) -> f64) -> f64 {
-    if delta.eta == 1.0 {
-        return 0.0;
-    }
-    let [x, y, z] = delta.wi;
-    [4.0 * epsilon, -4.0 * epsilon]
-        .into_iter()
-        .map(|step| {
-            let cosine = (z * z - 2.0 * step * (x * x + y * y)).max(0.0).sqrt();
-            (g([x * (1.0 + step), y * (1.0 + step), cosine.copysign(z)]) - value).abs()
-        })
-        .filter(|change| change.is_finite())
-        .fold(0.0, f64::max)
 }

@@ -122,7 +122,7 @@ fn rough_metals_are_close_to_the_walk() {
 #[test]
 fn rough_glass_with_its_higher_orders_loses_nothing() {
     let surfaces = product(&SHAPES, &[0.1, 0.3, 0.5, 1.0]);
-    let cases = product(&surfaces, &[1.2, 1.5, 2.4]);
+    let cases = product(&surfaces, &[1.5, 2.4]);
     let largest = cases.into_par_iter().map(|((shape, alpha), eta)| {
         let glass = AllOrders::glass(&Surface::isotropic(shape, alpha), eta);
         let mut largest: f64 = 0.0;

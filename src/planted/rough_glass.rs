@@ -4,11 +4,14 @@
 use bxdf_tests::{
     Boundary, Claims, Direction, Measure, Microsurface, Precision, Scatter, Specimen, Transport,
 };
-use gonio::microfacet::Distribution;
+
+use super::terms::dot;
+use crate::fresnel::dielectric;
+use crate::microfacet::Distribution;
 
 /// Who hides which facets.
 #[derive(Clone, Copy)]
-pub(crate) enum Masking {
+pub(super) enum Masking {
     /// Smith's, separable.
     Smith,
     /// V-shaped cavities: Cook & Torrance, ACM TOG 1(1), 1982, <https://doi.org/10.1145/357290.357293>.
@@ -16,10 +19,11 @@ pub(crate) enum Masking {
 }
 
 /// A rough boundary of relative index `eta`.
-pub(crate) struct RoughGlass {
-    pub(crate) distribution: Distribution<f64>,
-    pub(crate) masking: Masking,
-    pub(crate) eta: f64,
+pub(super) struct RoughGlass {
+    pub(super) name: &'static str,
+    pub(super) distribution: Distribution<f64>,
+    pub(super) masking: Masking,
+    pub(super) eta: f64,
 }
 
 /// A facet that scatters `wo` into `wi`, both on the side that `wo` makes the upper one.
@@ -31,10 +35,6 @@ struct Facet {
     jacobian: f64,
     /// Share of the power that goes this way.
     share: f64,
-}
-
-fn dot(a: Direction, b: Direction) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl RoughGlass {
@@ -52,7 +52,7 @@ impl RoughGlass {
         let h = sum.map(|x| x / length);
         let (o, i) = (dot(wo, h), dot(wi, h));
         let faces = o > 0.0 && i * wi[2] > 0.0 && wo[2] > 1e-12 && wi[2].abs() > 1e-12;
-        let reflectance = gonio::fresnel::dielectric(o.min(1.0), eta).reflectance.unpolarized();
+        let reflectance = dielectric(o.min(1.0), eta).reflectance.unpolarized();
         let share = if wi[2] > 0.0 { reflectance } else { 1.0 - reflectance };
         let jacobian = bend * bend * i.abs() / (o + bend * i).powi(2);
         faces.then_some(Facet { wo, wi, h, jacobian, share })
@@ -73,7 +73,7 @@ impl RoughGlass {
 
 impl Specimen for RoughGlass {
     fn name(&self) -> String {
-        "rough_glass".into()
+        self.name.into()
     }
 
     fn claims(&self) -> Claims {
@@ -111,7 +111,7 @@ impl Specimen for RoughGlass {
         if cosine <= 0.0 {
             return None;
         }
-        let boundary = gonio::fresnel::dielectric(cosine.min(1.0), eta);
+        let boundary = dielectric(cosine.min(1.0), eta);
         let reflects = uc < boundary.reflectance.unpolarized();
         let (bend, along) =
             if reflects { (1.0, 2.0 * cosine) } else { (eta, cosine / eta - boundary.cos_theta_t) };
