@@ -100,14 +100,14 @@ fn found(specimen: &Mixture, seed: u64, seeds: u64) -> u64 {
     found
 }
 
-/// The number of seeds: 50, or what the environment says.
-fn seeds() -> u64 {
-    std::env::var("BXDF_TESTS_SEEDS").map_or(50, |text| text.parse().expect("a whole number"))
+/// The number of seeds, unless the environment says another.
+fn seeds(few: u64) -> u64 {
+    std::env::var("BXDF_TESTS_SEEDS").map_or(few, |text| text.parse().expect("a whole number"))
 }
 
 #[test]
 fn errors_of_one_percent_are_always_found() {
-    let seed = run_seed();
+    let (seed, seeds) = (run_seed(), seeds(20));
     println!("run seed {seed}");
     let gloss = mirror(Shape::Ggx, 0.1);
     let delta =
@@ -117,19 +117,19 @@ fn errors_of_one_percent_are_always_found() {
         selection("gloss over paper", 0.01, gloss),
         selection("delta over paper", 0.01, delta),
     ] {
-        assert_eq!(found(&specimen, seed, seeds()), seeds(), "{}", specimen.name);
+        assert_eq!(found(&specimen, seed, seeds), seeds, "{}", specimen.name);
     }
 }
 
 /// The best possible test finds 0.36 % (GGX) and 0.21 % (Beckmann) with probability 0.95.
 #[test]
 fn a_roughness_that_is_hardly_off_is_found() {
-    let seed = run_seed();
+    let (seed, seeds) = (run_seed(), seeds(50));
     println!("run seed {seed}");
     for specimen in [roughness(Shape::Ggx, 0.5, 0.005), roughness(Shape::Beckmann, 0.5, 0.003)] {
         // With probability 0.95 each, fewer than two thirds of 50 come out less than once in 10¹⁰ runs.
-        let found = found(&specimen, seed, seeds());
-        assert!(3 * found > 2 * seeds(), "{}: {found}", specimen.name);
+        let found = found(&specimen, seed, seeds);
+        assert!(3 * found > 2 * seeds, "{}: {found}", specimen.name);
     }
 }
 
@@ -213,6 +213,7 @@ fn the_minimum_detectable_effect_is_detected_and_a_quarter_of_it_is_not() {
         println!(
             "{check}: {effect:.5} found in {share:.4}, a quarter in {of_quarter:.4} where power is least"
         );
-        assert!(share > 0.98 && of_quarter < 0.5, "{check}");
+        // 0.995 is what a stage is made for; of 900 sets of samples, more than 27 then miss it once in 10¹² runs.
+        assert!(share > 0.97 && of_quarter < 0.5, "{check}");
     }
 }
