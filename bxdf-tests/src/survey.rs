@@ -215,7 +215,6 @@ impl Survey {
             Precision::F64 => (cell_error, 200),
         };
         let tries_few_nodes = cell_error > Look::LEAST_ERROR;
-        let effort = Effort { absolute, leading: 4, rectangles, tries_few_nodes };
         let mut directions = vec![[0.0; 3]; NODES * NODES];
         let mut densities = vec![0.0; NODES * NODES];
         let mut values = vec![[0.0; 3]; NODES * NODES];
@@ -244,6 +243,9 @@ impl Survey {
                     }
                 }
             };
+            // Many pieces are no reason to leave an edge in one of them as it is.
+            let rectangles = cell.pieces.len() + rectangles;
+            let effort = Effort { absolute, leading: 4, rectangles, tries_few_nodes };
             let integral = integrate(&cell.pieces, effort, &mut integrand);
             self.cell_mass.push([integral.value[0], integral.error[0]]);
             self.integral.add(&integral);
