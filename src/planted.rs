@@ -149,8 +149,7 @@ pub struct SelfCheck {
     /// How many run seeds. With the first the suites run that were asked for, with the others the one that must find the
     /// bug.
     pub seeds: usize,
-    /// Random samples per direction. From [`PlantedBug::SAMPLES`] up, a bug that takes more gets them, as long as that is
-    /// no more than [`Plan::DEFAULT_SAMPLES`].
+    /// Random samples per direction.
     pub samples: usize,
     /// The bugs.
     pub bugs: Vec<Found>,
@@ -271,10 +270,7 @@ fn search(
         limit: f64::NAN,
     };
     let samples = plans.first().map_or(0, |plan| plan.samples);
-    let gets_more = samples >= PlantedBug::SAMPLES && bug.samples <= Plan::DEFAULT_SAMPLES;
-    let samples = if gets_more { samples.max(bug.samples) } else { samples };
     for (i, plan) in plans.iter().enumerate() {
-        let plan = &Plan { samples, ..plan.clone() };
         let by_all = i == 0 && (suites == Suites::All || suite.is_none());
         let verdicts = if by_all {
             bxdf_tests::examine(mutant, plan)

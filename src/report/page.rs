@@ -247,7 +247,7 @@ fn planted(check: &SelfCheck) -> Markup {
             " are missed, " (check.count(Search::NeedsMoreSamples)) " need more samples than were drawn, "
             (check.count(Search::Elsewhere)) " contradict no claim and are found elsewhere. All suites hold on the "
             (check.twins.len()) " specimens without a bug, but for " (check.failures.len()) " verdicts. "
-            (check.samples) " samples per direction, more where a bug takes more; last column: with how many of the run "
+            (check.samples) " samples per direction; last column: with how many of the run "
             "seeds it was caught. " code { "gonio verify --self-check --seeds 100" } " measures the power, "
             a href="planted.json" { "planted.json" } " has the numbers."
         }
