@@ -22,7 +22,7 @@ mod shadowing;
 
 pub use shadowing::{NoSmithForm, Shadowing};
 
-use crate::frame::{is_above, sin2_theta, stretch};
+use crate::frame::{is_above, reflect, sin2_theta, stretch};
 use crate::parameter::{OutOfRange, require};
 use crate::quadrature::{kronecker, unit_square};
 use crate::real::{Real, Vector};
@@ -460,25 +460,56 @@ impl<F: Real> Distribution<F> {
         FacetScattering { value, pdf, weight: value * wi.z() / pdf, cos2_theta_o }
     }
 
-    /// Directional albedo of single scattering at F = 1 for directions of the given cosine, by averaging over visible
-    /// normals and, for an anisotropic distribution, over the azimuth.
+    /// Directional albedo of single scattering at F = 1 for directions of the given cosine.
     pub(crate) fn single_scattering(&self, cos_theta: f64) -> f64 {
+        let [albedo] = self.average_over_visible(cos_theta, [12, 6], |wo, wm| {
+            let wi = reflect::<F>(wo, wm);
+            [if is_above::<F>(wi) { self.reflection_about(wo, wi, wm).weight.to_f64() } else { 0.0 }]
+        });
+        albedo
+    }
+
+    /// The average of `values` of a direction of the given cosine and the normals that it sees, and over the azimuth
+    /// where the distribution is anisotropic: by cubature over the unit square of [`Self::sample_visible`].
+    pub(crate) fn average_over_visible<const N: usize>(
+        &self,
+        cos_theta: f64,
+        panels: [usize; 2],
+        values: impl Fn(F::Vec3, F::Vec3) -> [f64; N],
+    ) -> [f64; N] {
         let azimuths = if self.is_isotropic() { 1 } else { 16 };
         // The limit of grazing incidence, not the tangent plane itself.
         let cos_theta = cos_theta.max(1e-9);
         let sin_theta = ((1.0 - cos_theta) * (1.0 + cos_theta)).sqrt();
-        let at = |azimuth: usize| {
-            let turn = core::f64::consts::TAU * azimuth as f64 / azimuths as f64;
+        let mut sums = [0.0; N];
+        for azimuth in 0..azimuths {
+            let turn = core::f64::consts::TAU * f64::from(azimuth) / f64::from(azimuths);
             let (sin_phi, cos_phi) = libm::sincos(turn);
             let wo = F::Vec3::from_f64([sin_theta * cos_phi, sin_theta * sin_phi, cos_theta]);
-            let weight = |(i, (u, share)): (usize, ([f64; 2], f64))| {
-                let uc = F::from_f64(kronecker(i)[0]);
-                let (_, facet) = self.sample_reflection(wo, uc, u.map(F::from_f64))?;
-                Some(share * facet.weight.to_f64())
-            };
-            unit_square([12, 6], self.is_isotropic()).enumerate().filter_map(weight).sum::<f64>()
-        };
-        (0..azimuths).map(at).sum::<f64>() / azimuths as f64
+            let [columns, rows] = unit_square(panels, self.is_isotropic());
+            for (i, &[u0, width]) in columns.iter().enumerate() {
+                let normals = self.visible_normals(wo, F::from_f64(u0));
+                for (j, &[u1, height]) in rows.iter().enumerate() {
+                    let uc = F::from_f64(kronecker(i * rows.len() + j)[0]);
+                    let Some(wm) = normals(uc, F::from_f64(u1)) else { continue };
+                    let share = width * height / f64::from(azimuths);
+                    sums.iter_mut().zip(values(wo, wm)).for_each(|(sum, value)| *sum += share * value);
+                }
+            }
+        }
+        sums
+    }
+
+    /// [`Self::sample_visible`] of one first uniform, as a function of `uc` and the second.
+    fn visible_normals(&self, w: F::Vec3, u0: F) -> impl Fn(F, F) -> Option<F::Vec3> {
+        // What this shape takes long for does not depend on the second.
+        let is_smith = self.shadowing != Shadowing::VCavity;
+        let column = (is_smith && self.shape == Shape::Beckmann)
+            .then(|| beckmann::VisibleNormals::<F>::new(self.stretch(w).normalize(), u0));
+        move |uc, u1| match &column {
+            Some(column) => Some(self.stretch(column.at(u1)).normalize()),
+            None => self.sample_visible(w, uc, [u0, u1]).map(|(wm, _)| wm),
+        }
     }
 
     /// Transmission from `wo` above the surface into `wi` below it through a facet that refracts one into the other.

@@ -27,19 +27,20 @@ pub(crate) fn gauss(low: f64, high: f64) -> [[f64; 2]; 8] {
     })
 }
 
-/// Nodes \[x, y\] with weights over a sampler's unit square: the product of eight-point Gauss–Legendre rules of the given
-/// numbers of panels, in x drawn towards both ends (x = 3t² − 2t³), where samplers put the tails of their lobes.
+/// Nodes with weights of a product rule over a sampler's unit square, of the given numbers of eight-point
+/// Gauss–Legendre panels; the first uniform is drawn towards both ends (x = 3t² − 2t³), where samplers put the tails of
+/// their lobes.
 ///
-/// Where `y` and 1 − y are mirror images, one half stands for both.
-pub(crate) fn unit_square(panels: [usize; 2], is_symmetric: bool) -> impl Iterator<Item = ([f64; 2], f64)> {
+/// Where the second uniform and one minus it are mirror images, one half stands for both.
+pub(crate) fn unit_square(panels: [usize; 2], is_symmetric: bool) -> [Vec<[f64; 2]>; 2] {
     let [columns, rows] = panels;
-    let (rows, height) = if is_symmetric { (rows / 2, 0.5) } else { (rows, 1.0) };
+    let (rows, extent) = if is_symmetric { (rows / 2, 0.5) } else { (rows, 1.0) };
     let line = |count: usize| {
         let end = move |i: usize| i as f64 / count as f64;
         (0..count).flat_map(move |i| gauss(end(i), end(i + 1)))
     };
     let drawn = |[t, weight]: [f64; 2]| [t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t) * weight];
-    line(columns).map(drawn).flat_map(move |[x, a]| line(rows).map(move |[y, b]| ([x, height * y], a * b)))
+    [line(columns).map(drawn).collect(), line(rows).map(|[y, weight]| [extent * y, weight]).collect()]
 }
 
 /// Point `i` of a sequence that fills the unit cube evenly: multiples of powers of the root of x⁴ = x + 1.

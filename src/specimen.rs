@@ -385,9 +385,11 @@ pub fn catalogue() -> Result<Vec<Box<dyn bxdf_tests::Specimen>>, CatalogueError>
 /// # Errors
 /// As [`catalogue`].
 pub fn specimens_of(kind: Kind) -> Result<Vec<Box<dyn bxdf_tests::Specimen>>, CatalogueError> {
+    // Some lobes tabulate integrals when they are made.
+    let (double, single) = rayon::join(|| kind.cases::<f64>(), || kind.cases::<f32>());
     let mut specimens: Vec<Box<dyn bxdf_tests::Specimen>> = Vec::new();
-    specimens.extend(kind.cases::<f64>()?.into_iter().map(|case| Box::new(case) as _));
-    specimens.extend(kind.cases::<f32>()?.into_iter().map(|case| Box::new(case) as _));
+    specimens.extend(double?.into_iter().map(|case| Box::new(case) as _));
+    specimens.extend(single?.into_iter().map(|case| Box::new(case) as _));
     Ok(specimens)
 }
 

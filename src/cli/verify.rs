@@ -9,7 +9,8 @@ use bxdf_tests::{Plan, Regression, Specimen, Suite, Verdict, regressions_folder}
 use gonio::parameter::did_you_mean;
 use gonio::planted::PlantedBug;
 use gonio::record::{RunRecord, Shard};
-use gonio::specimen::{Kind, specimens_of, verify};
+use gonio::specimen::{CatalogueError, Kind, specimens_of, verify};
+use rayon::prelude::*;
 
 use super::output::{Form, Outputs};
 use super::progress::Progress;
@@ -118,9 +119,15 @@ pub(super) fn select(names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure
     // Where every name is that of a kind, the others need not be built.
     let is_kind = |name: &String| name.starts_with(PLANTED) || kinds().any(|kind| name == kind.name());
     let by_kind = !names.is_empty() && names.iter().all(is_kind);
-    for kind in kinds().filter(|kind| !by_kind || names.iter().any(|name| name == kind.name())) {
+    let wanted_kinds: Vec<Kind> =
+        kinds().filter(|kind| !by_kind || names.iter().any(|name| name == kind.name())).collect();
+    let built: Vec<_> = wanted_kinds
+        .into_par_iter()
+        .map(|kind| Ok((kind, specimens_of(kind)?)))
+        .collect::<Result<_, CatalogueError>>()?;
+    for (kind, specimens) in built {
         known.push(kind.name().to_owned());
-        for specimen in specimens_of(kind)? {
+        for specimen in specimens {
             let full = specimen.name();
             let mut wanted = names.is_empty();
             for (name, used) in names.iter().zip(&mut used) {

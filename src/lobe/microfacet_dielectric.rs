@@ -4,7 +4,6 @@ use crate::fresnel::{DielectricBoundary, dielectric};
 use crate::lobe::DielectricSpecular;
 use crate::microfacet::{ALPHA_MIN, Distribution, RefractingFacet};
 use crate::parameter::OutOfRange;
-use crate::quadrature::{kronecker, unit_square};
 use crate::real::{Real, Vector};
 use crate::rgb::Rgb;
 
@@ -93,42 +92,31 @@ impl<F: Real> MicrofacetDielectric<F> {
     /// Directional albedos of single scattering without tints, and the mean of F over the visible normals, for
     /// directions of the given cosine on one side (`side` = 1: from above, −1: from below).
     ///
-    /// By averaging over visible normals; an anisotropic distribution is averaged over the azimuth.
+    /// An anisotropic distribution is averaged over the azimuth.
     pub(crate) fn single_scattering(&self, cos_theta: f64, side: f64) -> SingleScattering {
-        let is_isotropic = self.distribution.is_isotropic();
-        let azimuths = if is_isotropic { 1 } else { 16 };
         let eta = if side > 0.0 { self.eta() } else { F::ONE / self.eta() };
-        // The limit of grazing incidence, not the tangent plane itself.
-        let cos_theta = cos_theta.max(1e-9);
-        let sin_theta = ((1.0 - cos_theta) * (1.0 + cos_theta)).sqrt();
-        let mut sums = SingleScattering::default();
-        for azimuth in 0..azimuths {
-            let turn = core::f64::consts::TAU * f64::from(azimuth) / f64::from(azimuths);
-            let (sin_phi, cos_phi) = libm::sincos(turn);
-            let wo = F::Vec3::from_f64([sin_theta * cos_phi, sin_theta * sin_phi, cos_theta]);
-            for (i, (u, share)) in unit_square([12, 8], is_isotropic).enumerate() {
-                let uc = F::from_f64(kronecker(i)[0]);
-                let Some((wm, _)) = self.distribution.sample_visible(wo, uc, u.map(F::from_f64)) else { continue };
-                let share = share / f64::from(azimuths);
+        let [reflected, transmitted, fresnel] =
+            self.distribution.average_over_visible(cos_theta, [12, 8], |wo, wm| {
                 let cos_theta_o = wo.dot(wm).max(F::ZERO);
                 let boundary = dielectric(cos_theta_o, eta);
                 let reflectance = boundary.reflectance.unpolarized();
-                sums.fresnel += share * reflectance.to_f64();
                 let wi = reflect::<F>(wo, wm);
-                if is_above::<F>(wi) {
-                    let facet = self.distribution.reflection_about(wo, wi, wm);
-                    sums.reflected += share * (reflectance * facet.weight).to_f64();
-                }
+                let reflected = if is_above::<F>(wi) {
+                    reflectance * self.distribution.reflection_about(wo, wi, wm).weight
+                } else {
+                    F::ZERO
+                };
                 let wi = refract::<F>(wo, wm, cos_theta_o, &boundary, eta);
                 let transmittance = boundary.transmittance.unpolarized();
-                if is_above::<F>(-wi) && transmittance > F::ZERO {
+                let transmitted = if is_above::<F>(-wi) && transmittance > F::ZERO {
                     let facet = RefractingFacet::sampled(wm, cos_theta_o, boundary.cos_theta_t, self.eta(), side > 0.0);
-                    let facet = self.distribution.transmission(wo, wi, &facet);
-                    sums.transmitted += share * (transmittance * facet.weight).to_f64();
-                }
-            }
-        }
-        sums
+                    transmittance * self.distribution.transmission(wo, wi, &facet).weight
+                } else {
+                    F::ZERO
+                };
+                [reflected, transmitted, reflectance].map(F::to_f64)
+            });
+        SingleScattering { reflected, transmitted, fresnel }
     }
 
     /// The side that `wo` is on: the sign that brings directions above the surface, and the index of the other side.

@@ -49,18 +49,42 @@ fn frac_1_sqrt_pi<F: Real>() -> F {
 /// because theirs stops after three steps from a fitted start.
 #[inline]
 pub(super) fn sample_visible_unit<F: Real>(w: F::Vec3, [u0, u1]: [F; 2]) -> F::Vec3 {
-    let sin_theta = (w.x() * w.x() + w.y() * w.y()).sqrt();
-    if sin_theta < F::from_f64(1e-6) {
-        // Seen along the normal all slopes are visible: an isotropic Gaussian.
-        let radius = (-(F::ONE - u0).ln()).sqrt();
-        let (sin_phi, cos_phi) = u1.sin_cos_turns();
-        return F::Vec3::new(radius * cos_phi, radius * sin_phi, F::ONE);
+    VisibleNormals::<F>::new(w, u0).at(u1)
+}
+
+/// [`sample_visible_unit`] of one first uniform, on which the costly part depends alone.
+pub(super) enum VisibleNormals<F> {
+    /// Seen along the normal all slopes are visible, an isotropic Gaussian: the steepness.
+    AlongNormal(F),
+    /// The slope along the direction seen from, and cosine and sine of that direction's azimuth.
+    Oblique(F, [F; 2]),
+}
+
+impl<F: Real> VisibleNormals<F> {
+    #[inline]
+    pub(super) fn new(w: F::Vec3, u0: F) -> Self {
+        let sin_theta = (w.x() * w.x() + w.y() * w.y()).sqrt();
+        if sin_theta < F::from_f64(1e-6) {
+            return Self::AlongNormal((-(F::ONE - u0).ln()).sqrt());
+        }
+        Self::Oblique(invert_slope(w.z() / sin_theta, u0), [w.x() / sin_theta, w.y() / sin_theta])
     }
-    let along = invert_slope(w.z() / sin_theta, u0);
-    // erf⁻¹ is infinite at ±1, which the uniform reaches at 0.
-    let across = (F::TWO * u1 - F::ONE).max(F::HALF * F::EPSILON - F::ONE).erf_inv();
-    let (cos_phi, sin_phi) = (w.x() / sin_theta, w.y() / sin_theta);
-    F::Vec3::new(-(cos_phi * along - sin_phi * across), -(sin_phi * along + cos_phi * across), F::ONE)
+
+    #[inline]
+    pub(super) fn at(&self, u1: F) -> F::Vec3 {
+        match *self {
+            Self::AlongNormal(radius) => {
+                let (sin_phi, cos_phi) = u1.sin_cos_turns();
+                F::Vec3::new(radius * cos_phi, radius * sin_phi, F::ONE)
+            }
+            Self::Oblique(along, [cos_phi, sin_phi]) => {
+                // erf⁻¹ is infinite at ±1, which the uniform reaches at 0.
+                let across = (F::TWO * u1 - F::ONE).max(F::HALF * F::EPSILON - F::ONE).erf_inv();
+                let (x, y) = (cos_phi * along - sin_phi * across, sin_phi * along + cos_phi * across);
+                F::Vec3::new(-x, -y, F::ONE)
+            }
+        }
+    }
 }
 
 /// The slope s ≤ c with I(s) = u I(c), where I(s) = ½ [c erfc(−s) + e^{−s²} / √π].

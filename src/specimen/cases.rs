@@ -15,6 +15,7 @@ use crate::parameter::OutOfRange;
 use crate::real::Real;
 use crate::rgb::Rgb;
 use bxdf_tests::Energy;
+use rayon::prelude::*;
 
 /// Roughness of the isotropic cases of the grid, from where single precision still resolves the lobe to the largest.
 const ALPHAS: [f64; 7] = [1e-3, 1e-2, 0.05, 0.1, 0.3, 0.5, 1.0];
@@ -331,7 +332,7 @@ fn coats<F: Real>() -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> {
         let layer = RefractiveLayer::new(coat, Arc::new(base))?;
         Ok::<_, CatalogueError>(BxdfSpecimen::of_lobe(&format!("coat/{name}"), layer))
     };
-    let mut cases = bases.into_iter().map(specimen).collect::<Result<Vec<_>, _>>()?;
+    let mut cases = bases.into_par_iter().map(specimen).collect::<Result<Vec<_>, _>>()?;
     let brushed = rough_metal("aluminium/Rakic-1995", anisotropic(Shape::Ggx, [0.5, 0.2])?)?;
     cases.push(specimen(("aluminium_0.5_0.2", coat(1.5, clear, None), brushed))?.anisotropic());
     Ok(cases)
