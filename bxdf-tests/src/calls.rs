@@ -9,8 +9,14 @@ use crate::verdict::{Check, Returned, Witness};
 
 /// Holds for values in [0, ∞).
 fn not_negative(what: &'static str, call: &'static str, value: f64, witness: Witness) -> Check {
-    let wrong = if is_fine(value) { 0.0 } else { value.abs() };
-    Check { returned: Some(Returned { call, value }), ..Check::new(what, wrong, 0.0, witness) }
+    Check {
+        returned: Some(Returned { call, value }),
+        ..Check::new(what, wrong_unless_fine(value), 0.0, witness)
+    }
+}
+
+fn wrong_unless_fine(value: f64) -> f64 {
+    if is_fine(value) { 0.0 } else { value.abs() }
 }
 
 fn is_fine(value: f64) -> bool {
@@ -27,38 +33,57 @@ pub(crate) fn of_pdf(density: f64, witness: Witness) -> Check {
     not_negative("pdf [1/sr] is finite and not negative", "pdf", density, witness)
 }
 
+/// A check of something that `sample` returned: hot loops make a [`Check`] only of what is wrong.
+#[derive(Clone, Copy)]
+pub(crate) struct OfSample {
+    what: &'static str,
+    wrong: f64,
+    limit: f64,
+    value: f64,
+}
+
+impl OfSample {
+    pub(crate) fn holds(&self) -> bool {
+        self.wrong <= self.limit
+    }
+
+    pub(crate) fn check(self, witness: Witness) -> Check {
+        let Self { what, wrong, limit, value } = self;
+        Check {
+            returned: Some(Returned { call: "sample", value }),
+            ..Check::new(what, wrong, limit, witness)
+        }
+    }
+}
+
 /// What must hold of every sample that comes out.
-pub(crate) fn of_sample(
-    scatter: &Scatter,
-    claims: &Claims,
-    witness: Witness,
-) -> impl Iterator<Item = Check> + use<> {
-    let Scatter { wi, weight, density: Measure::SolidAngle(density) | Measure::Discrete(density), .. } =
-        *scatter;
-    let witness = witness.with_wi(wi);
-    let returned = move |what, wrong, limit, value| Check {
-        returned: Some(Returned { call: "sample", value }),
-        ..Check::new(what, wrong, limit, witness)
-    };
-    let finite = move |what, value| not_negative(what, "sample", value, witness);
+#[inline]
+pub(crate) fn of_sample(scatter: &Scatter, claims: &Claims, wo: Direction) -> [OfSample; 7] {
+    let Scatter {
+        wi,
+        weight: [r, g, b],
+        density: Measure::SolidAngle(density) | Measure::Discrete(density),
+        ..
+    } = *scatter;
+    let term = |what, wrong, limit, value| OfSample { what, wrong, limit, value };
+    let finite = |what, value| term(what, wrong_unless_fine(value), 0.0, value);
     let length = wi.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let crossed = witness.wo.is_some_and(|wo| wi[2] * wo[2] < 0.0) && !claims.transmits;
-    weight.into_iter().map(move |weight| finite("weight is finite and not negative", weight)).chain([
+    let crossed = wi[2] * wo[2] < 0.0 && !claims.transmits;
+    let weight = "weight is finite and not negative";
+    [
+        finite(weight, r),
+        finite(weight, g),
+        finite(weight, b),
         finite("density of a sample is finite and not negative", density),
-        returned("a sample has a positive density", f64::from(density <= 0.0), 0.0, density),
-        returned(
+        term("a sample has a positive density", f64::from(density <= 0.0), 0.0, density),
+        term(
             "deviation of the length of a sampled direction from 1",
             (length - 1.0).abs(),
             16.0 * claims.precision.epsilon(),
             length,
         ),
-        returned(
-            "cos θi of a sample on the other side, which is not claimed",
-            f64::from(crossed),
-            0.0,
-            wi[2],
-        ),
-    ])
+        term("cos θi of a sample on the other side, which is not claimed", f64::from(crossed), 0.0, wi[2]),
+    ]
 }
 
 /// Whether nothing of f and of the pdf at one pair of directions is wrong: the first look of hot loops.

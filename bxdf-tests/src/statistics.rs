@@ -168,11 +168,18 @@ pub(crate) fn detectable_rate(ln_level: f64, rate: f64, error: f64, samples: f64
         let deviation = (rate * (1.0 - rate)).sqrt();
         return 2.0 * error + detectable_mean(ln_level, deviation, 1.0, samples);
     }
-    let first = mean.ceil() as u64;
-    let is_enough = |&count: &u64| core::f64::consts::LN_2 + ln_poisson_upper_tail(count, mean) < ln_level;
+    // The tail falls with the count: the first count whose tail is small enough.
+    let is_enough = |count: u64| core::f64::consts::LN_2 + ln_poisson_upper_tail(count, mean) < ln_level;
+    let (mut low, mut high) = (mean.ceil() as u64, mean.ceil() as u64 + 10_000);
+    if !is_enough(high) {
+        return f64::NAN;
+    }
+    while low < high {
+        let middle = low.midpoint(high);
+        (low, high) = if is_enough(middle) { (low, middle) } else { (middle + 1, high) };
+    }
     // P(X ≥ n) = 1 − Q(n, mean)
-    let enough = (first..first + 10_000).find(is_enough);
-    enough.map_or(f64::NAN, |count| gamma_q_quantile(count as f64, LN_MISSED) / samples - rate + error)
+    gamma_q_quantile(high as f64, LN_MISSED) / samples - rate + error
 }
 
 /// ln of the probability that one of the two stages misses what is called detectable; together that is 0.01.

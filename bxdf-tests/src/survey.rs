@@ -307,8 +307,10 @@ impl Survey {
                 return;
             };
             if tally.fault.is_none() {
-                let witness = setting.witness().with_uniforms(uniforms);
-                tally.fault = calls::of_sample(&scatter, claims, witness).find(|check| !check.holds());
+                let wrong =
+                    calls::of_sample(&scatter, claims, setting.wo).into_iter().find(|check| !check.holds());
+                let witness = || setting.witness().with_uniforms(uniforms).with_wi(scatter.wi);
+                tally.fault = wrong.map(|check| check.check(witness()));
             }
             for (sum, weight) in tally.weight.iter_mut().zip(scatter.weight) {
                 *sum += weight;

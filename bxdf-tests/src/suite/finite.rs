@@ -115,7 +115,9 @@ fn check_sample(
     transport: Transport,
 ) -> Option<Direction> {
     let scatter = examination.specimen.sample(wo, numbers, transport)?;
-    let witness = Witness::at(wo, transport).with_uniforms(numbers);
-    calls::of_sample(&scatter, &examination.claims, witness).for_each(|check| ledger.record(check));
+    let witness = Witness::at(wo, transport).with_uniforms(numbers).with_wi(scatter.wi);
+    for check in calls::of_sample(&scatter, &examination.claims, wo) {
+        ledger.record(check.check(witness));
+    }
     Some(scatter.wi)
 }
