@@ -77,15 +77,9 @@ pub(crate) struct Run {
     /// Run seed: with the names of the specimens it fixes every random number
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
-    /// Random samples per direction and transport mode [default: 65536; of a self-check 32768]
-    #[arg(long, value_name = "N", value_parser = samples)]
-    samples: Option<usize>,
-}
-
-impl Run {
-    fn samples(&self) -> usize {
-        self.samples.unwrap_or(bxdf_tests::Plan::DEFAULT_SAMPLES)
-    }
+    /// Random samples per direction and transport mode
+    #[arg(long, default_value_t = bxdf_tests::Plan::DEFAULT_SAMPLES, value_name = "N", value_parser = samples)]
+    samples: usize,
 }
 
 fn samples(text: &str) -> Result<usize, String> {

@@ -43,9 +43,6 @@ impl PlantedBug {
     /// Every planted bug.
     pub const ALL: &[Self] = list::BUGS;
 
-    /// Random samples per direction of a self-check unless told otherwise; most bugs need no more.
-    pub const SAMPLES: usize = 1 << 15;
-
     /// The specimen with the bug; its name is that of the bug.
     ///
     /// # Errors
@@ -177,7 +174,7 @@ impl SelfCheck {
         finished: &(dyn Fn() + Sync),
     ) -> Result<Self, CatalogueError> {
         let mutants =
-            PlantedBug::ALL.iter().map(PlantedBug::mutant).collect::<Result<Vec<_>, CatalogueError>>()?;
+            PlantedBug::ALL.par_iter().map(PlantedBug::mutant).collect::<Result<Vec<_>, CatalogueError>>()?;
         let twins = twins()?;
         let plans: Vec<Plan> = (0..seeds as u64)
             .map(|i| {

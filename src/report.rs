@@ -16,7 +16,7 @@ use bxdf_tests::{Plan, Specimen, Suite, Verdict};
 use serde::Serialize;
 
 use crate::ior::{IorError, Table, builtin};
-use crate::planted::{PlantedBug, SelfCheck, Suites};
+use crate::planted::{SelfCheck, Suites};
 use crate::record::RunRecord;
 use crate::specimen::{CatalogueError, verify};
 pub use compare::Difference;
@@ -103,8 +103,7 @@ impl Report {
         let figure = FresnelFigure::new(&tables, SODIUM_D_NM)?;
         let svg = figure.svg()?;
         let verdicts = verify(specimens, Suite::ALL, plan, &|_| (), finished);
-        let samples = plan.samples.min(PlantedBug::SAMPLES);
-        let self_check = SelfCheck::run(plan.run_seed, 1, samples, Suites::All, &|| ())?;
+        let self_check = SelfCheck::run(plan.run_seed, 1, plan.samples, Suites::All, &|| ())?;
         let page = page::html(&page::Contents {
             specimens,
             plan,

@@ -7,7 +7,7 @@
 //! needed for small α. The pilot samples are not used again, so the cells do not depend on the samples that are
 //! counted in them.
 
-use crate::quadrature::{NODES, Rectangle, Region};
+use crate::quadrature::{Rectangle, Region};
 use crate::specimen::Direction;
 use core::f64::consts::PI;
 
@@ -50,27 +50,18 @@ impl Chart {
         [c * x + s * y, c * y - s * x]
     }
 
-    /// Directions of a grid over (v, φ) of no more than [`NODES`] azimuths, the second coordinate fastest.
-    pub(crate) fn directions(
-        &self,
-        hemisphere: usize,
-        vs: &[f64],
-        phis: &[f64],
-        directions: &mut [Direction],
-    ) {
+    /// Directions of points (v, φ). It is fastest where points of the same φ follow each other.
+    pub(crate) fn directions(&self, hemisphere: usize, points: &[[f64; 2]], directions: &mut [Direction]) {
         let [c, s] = self.mirror;
-        let mut azimuths = [[0.0; 2]; NODES];
-        let azimuths = &mut azimuths[..phis.len()];
-        for (azimuth, &phi) in azimuths.iter_mut().zip(phis) {
-            let (sin, cos) = libm::sincos(phi);
-            *azimuth = [c * cos - s * sin, s * cos + c * sin];
-        }
-        for (v, row) in vs.iter().zip(directions.chunks_exact_mut(phis.len())) {
+        let (mut last, mut azimuth) = (f64::NAN, [0.0; 2]);
+        for (direction, &[v, phi]) in directions.iter_mut().zip(points) {
+            if phi != last {
+                let (sin, cos) = libm::sincos(phi);
+                (last, azimuth) = (phi, [c * cos - s * sin, s * cos + c * sin]);
+            }
             let sin_theta = (v * (2.0 - v)).sqrt();
             let z = if hemisphere == 0 { 1.0 - v } else { v - 1.0 };
-            for (direction, [cos, sin]) in row.iter_mut().zip(&*azimuths) {
-                *direction = [sin_theta * cos, sin_theta * sin, z];
-            }
+            *direction = [sin_theta * azimuth[0], sin_theta * azimuth[1], z];
         }
     }
 }
@@ -148,9 +139,7 @@ impl Partition {
             roots: [0; 2],
             depth: 0,
         };
-        pilot.sort_by_key(|pilot| pilot.point.hemisphere);
-        let upper = pilot.partition_point(|pilot| pilot.point.hemisphere == 0);
-        let (above, below) = pilot.split_at_mut(upper);
+        let (above, below) = parted(&mut pilot, |pilot| pilot.point.hemisphere == 0);
         let whole = Rectangle { low: [0.0, -PI], high: [1.0, PI] };
         for (hemisphere, points) in [above, below].into_iter().enumerate() {
             let mut growth =
@@ -293,8 +282,18 @@ fn median(points: &mut [Pilot], axis: usize) -> Pilot {
 
 /// The points on either side of a cut.
 fn halves(points: &mut [Pilot], axis: usize, at: f64) -> (&mut [Pilot], &mut [Pilot]) {
-    points.sort_unstable_by_key(|pilot| pilot.point.at[axis] >= at);
-    let middle = points.partition_point(|pilot| pilot.point.at[axis] < at);
+    parted(points, |pilot| pilot.point.at[axis] < at)
+}
+
+/// The points of which something is true, and the others.
+fn parted(points: &mut [Pilot], is_first: impl Fn(&Pilot) -> bool) -> (&mut [Pilot], &mut [Pilot]) {
+    let mut middle = 0;
+    for i in 0..points.len() {
+        if is_first(&points[i]) {
+            points.swap(middle, i);
+            middle += 1;
+        }
+    }
     points.split_at_mut(middle)
 }
 
@@ -358,7 +357,7 @@ mod tests {
             for w in [[1e-9, 0.0, 1.0], [0.6, 0.0, -0.8], [-0.48, 0.64, 0.6], [0.0, -1.0, 1e-9]] {
                 let Point { hemisphere, at } = chart.point(w);
                 let mut back = [[0.0; 3]];
-                chart.directions(hemisphere, &[at[0]], &[at[1]], &mut back);
+                chart.directions(hemisphere, &[at], &mut back);
                 for axis in 0..3 {
                     assert!((back[0][axis] - w[axis]).abs() < 1e-14, "{w:?} {back:?}");
                 }
@@ -394,7 +393,7 @@ mod tests {
         let mut counts = vec![0; partition.cells.len()];
         let mut directions = [[0.0; 3]];
         for Pilot { point, .. } in pilots {
-            chart.directions(0, &[point.at[0]], &[point.at[1]], &mut directions);
+            chart.directions(0, &[point.at], &mut directions);
             partition.count(&directions, &mut counts);
         }
         let crowded = counts.iter().filter(|&&count| (14..=18).contains(&count)).count();

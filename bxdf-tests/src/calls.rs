@@ -47,6 +47,10 @@ impl OfSample {
         self.wrong <= self.limit
     }
 
+    pub(crate) fn is_zero(&self) -> bool {
+        self.wrong == 0.0
+    }
+
     pub(crate) fn check(self, witness: Witness) -> Check {
         let Self { what, wrong, limit, value } = self;
         Check {

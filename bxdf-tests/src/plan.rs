@@ -51,7 +51,7 @@ impl Setting {
 
 impl Plan {
     /// Samples per direction unless told otherwise.
-    pub const DEFAULT_SAMPLES: usize = 1 << 16;
+    pub const DEFAULT_SAMPLES: usize = 1 << 15;
 
     /// The plan of a run over the given specimens.
     pub fn new<'a>(run_seed: u64, specimens: impl IntoIterator<Item = &'a dyn Specimen>) -> Self {

@@ -191,10 +191,10 @@ pub(crate) fn gather(
     let mut rows: Vec<Row> = (0..partition.groups[MEDIUM]).map(|_| empty(0)).collect();
     let polar: Vec<f64> = (1..ROWS).map(|i| 1.0 - libm::cos(0.5 * PI * i as f64 / ROWS as f64)).collect();
     let azimuths: Vec<f64> = (1..COLUMNS).map(|i| TAU * i as f64 / COLUMNS as f64 - PI).collect();
-    let mut directions = vec![[0.0; 3]; NODES * NODES];
-    let mut densities = vec![0.0; NODES * NODES];
+    let mut directions = vec![[0.0; 3]; NODES];
+    let mut densities = vec![0.0; NODES];
     // One rule for each region: a diagnosis needs no more digits than samples have.
-    let effort = Effort { absolute: 0.0, leading: 1, rectangles: 0, tries_few_nodes: false };
+    let effort = Effort { absolute: f64::INFINITY, leading: 1, rectangles: 0, tries_few_nodes: true };
     for (cell, &observed) in partition.cells.iter().zip(&of_cell) {
         let row = &mut rows[cell.groups[MEDIUM]];
         row.is_same_side = cell.hemisphere == side;
@@ -209,8 +209,8 @@ pub(crate) fn gather(
                 let middle = core::array::from_fn(|axis| 0.5 * (rectangle.low[axis] + rectangle.high[axis]));
                 let [i, j] = place(cell.hemisphere, middle);
                 let integral: Integral<{ 1 + SHAPES.len() }> =
-                    integrate(&[region], effort, &mut |vs, phis, out| {
-                        chart.directions(cell.hemisphere, vs, phis, &mut directions);
+                    integrate(&[region], effort, &mut |points, out| {
+                        chart.directions(cell.hemisphere, points, &mut directions);
                         specimen.pdf_many(wo, &directions, transport, &mut densities);
                         for ((out, &wi), &pdf) in out.iter_mut().zip(&directions).zip(&densities) {
                             let pair = Pair::new(wo, wi, eta);

@@ -263,7 +263,8 @@ impl<'a> Examination<'a> {
             let is_needed =
                 |setting: &Setting| setting.is_counted || energy::is_power(&self.claims, setting.transport);
             let needed = self.settings().into_iter().filter(is_needed);
-            needed.map(|setting| self.look(setting, Look::FIRST)).collect()
+            let look = |setting: &Setting| if setting.is_counted { Look::FIRST } else { Look::NOT_COUNTED };
+            needed.map(|setting| self.look(setting, look(&setting))).collect()
         })
     }
 
@@ -296,8 +297,9 @@ impl<'a> Examination<'a> {
     /// Records statistical checks at a setting where samples are counted, in two planned stages.
     ///
     /// `p_values` gives named checks with ln p as their value. Where one falls below 1e-4 a second look decides, on
-    /// independent samples and against level / 1e-4: together that is the level. Once a violation is certain, the first
-    /// look at the other settings is enough.
+    /// independent samples and against level / 1e-4: together that is the level. Where the first look has too few samples
+    /// to say anything, the second stands for it, against the level itself. Once a violation is certain, the first look
+    /// at the other settings is enough.
     pub(crate) fn judge(
         &self,
         surveyed: &Surveyed,
@@ -312,10 +314,12 @@ impl<'a> Examination<'a> {
         let first = p_values(surveyed);
         // NaN is not a matter of chance.
         let is_grey = |p: &PValue| p.ln_p < LN_GREY;
-        let is_doubtful = first.iter().any(is_grey) && !ledger.is_violated();
+        let is_open = |p: &PValue| is_grey(p) || p.inconclusive.is_some();
+        let is_doubtful = first.iter().any(is_open) && !ledger.is_violated();
         let second = is_doubtful.then(|| p_values(self.second(surveyed)));
         for (i, first) in first.iter().enumerate() {
             let (p, ln_p) = match &second {
+                Some(second) if first.inconclusive.is_some() => (&second[i], second[i].ln_p),
                 Some(second) if is_grey(first) => (&second[i], second[i].ln_p + LN_GREY),
                 _ => (first, first.ln_p),
             };

@@ -19,6 +19,10 @@ pub(crate) struct Look {
     name: &'static str,
     /// Samples that shape the cells and lead the cubature; they are not counted.
     pilots: usize,
+    /// What the pilot samples are divided by to give those of a cell. Halving leaves 256 cells of 410, 64 of 102.
+    cells: usize,
+    /// Pilot samples per piece of a cell.
+    per_piece: usize,
     /// Counted samples over those of the plan.
     pub(crate) samples: usize,
     /// What the cubature of one cell may be wrong by, in double precision.
@@ -35,30 +39,39 @@ impl Look {
     const LEAST_ERROR: f64 = 1e-9;
 
     /// Enough for lobes of one width.
-    pub(crate) const FIRST: Self =
-        Self { name: "stage 1", pilots: 1 << 13, samples: 1, cell_error: Self::CELL_ERROR };
+    pub(crate) const FIRST: Self = Self {
+        name: "stage 1",
+        pilots: 1 << 13,
+        cells: 410,
+        per_piece: 20,
+        samples: 1,
+        cell_error: Self::CELL_ERROR,
+    };
+    /// For the albedo alone: no more cells than lead the cubature.
+    pub(crate) const NOT_COUNTED: Self = Self { pilots: 1 << 11, cells: 102, ..Self::FIRST };
     /// For numbers that are printed and compared.
     const ALBEDO: Self = Self { name: "albedo", cell_error: Self::LEAST_ERROR, ..Self::FIRST };
-    /// Decides what the first leaves doubtful, on independent samples. It has as many pilot samples as counted ones:
-    /// mass that the cubature could overlook is then too little to be noticed.
+    /// Decides what the first leaves doubtful, on independent samples. It has twice as many pilot samples as counted ones:
+    /// mass that the cubature could overlook is then too little to be noticed, also where it is spread over some 16 cells
+    /// about the pole.
     pub(crate) fn second(plan: &Plan) -> Self {
         Self {
             name: "stage 2",
-            pilots: (4 * plan.samples).max(1 << 16),
+            pilots: (8 * plan.samples).max(1 << 18),
+            per_piece: 160,
             samples: 4,
             cell_error: Self::LEAST_ERROR,
+            ..Self::FIRST
         }
     }
 
-    /// Pilot samples per cell, of which `continuous` are no deltas: some 256 cells for all pilot samples together,
-    /// whatever their number, and no fewer than some 40 for a density beside heavy deltas.
+    /// Pilot samples per cell, of which `continuous` are no deltas: no fewer than some 40 cells for a density beside heavy
+    /// deltas.
     fn per_cell(self, continuous: usize) -> usize {
-        (self.pilots / 410).min((continuous / 64).max(4))
+        (self.pilots / self.cells).min((continuous / 64).max(4))
     }
 }
 
-/// Pilot samples per piece of a cell.
-const PILOTS_PER_PIECE: usize = 20;
 /// Samples per call.
 const BATCH: usize = 1024;
 
@@ -182,12 +195,8 @@ impl Survey {
             .zip(densities)
             .map(|(&direction, density)| Pilot { point: chart.point(direction), density })
             .collect();
-        let partition = Partition::new(
-            chart,
-            pilots,
-            [look.per_cell(count), PILOTS_PER_PIECE],
-            64.0 * precision.epsilon(),
-        );
+        let partition =
+            Partition::new(chart, pilots, [look.per_cell(count), look.per_piece], 64.0 * precision.epsilon());
         let mut survey = Self {
             partition,
             largest_weight: deltas.iter().flat_map(|delta| delta.scatter.weight).fold(0.0, f64::max),
@@ -215,15 +224,15 @@ impl Survey {
             Precision::F64 => (cell_error, 200),
         };
         let tries_few_nodes = cell_error > Look::LEAST_ERROR;
-        let mut directions = vec![[0.0; 3]; NODES * NODES];
-        let mut densities = vec![0.0; NODES * NODES];
-        let mut values = vec![[0.0; 3]; NODES * NODES];
+        let mut directions = vec![[0.0; 3]; NODES];
+        let mut densities = vec![0.0; NODES];
+        let mut values = vec![[0.0; 3]; NODES];
         let (mut largest_weight, mut fault) = (self.largest_weight, None);
         for cell in &self.partition.cells {
             let chart = &self.partition.chart;
-            let mut integrand = |vs: &[f64], phis: &[f64], out: &mut [[f64; INTEGRALS]]| {
+            let mut integrand = |points: &[[f64; 2]], out: &mut [[f64; INTEGRALS]]| {
                 let directions = &mut directions[..out.len()];
-                chart.directions(cell.hemisphere, vs, phis, directions);
+                chart.directions(cell.hemisphere, points, directions);
                 specimen.pdf_many(setting.wo, directions, setting.transport, &mut densities[..out.len()]);
                 specimen.eval_many(setting.wo, directions, setting.transport, &mut values[..out.len()]);
                 for (k, out) in out.iter_mut().enumerate() {

@@ -16,7 +16,7 @@ use std::f64::consts::FRAC_1_PI;
 
 #[test]
 fn planted_bugs_are_caught_by_the_suites_that_must_and_twins_hold() {
-    let check = SelfCheck::run(run_seed(), 1, PlantedBug::SAMPLES, Suites::Finder, &|| ()).unwrap();
+    let check = SelfCheck::run(run_seed(), 1, Plan::DEFAULT_SAMPLES, Suites::Finder, &|| ()).unwrap();
     let missed: Vec<_> = check.bugs.iter().filter(|bug| bug.search == Search::Missed).collect();
     assert!(missed.is_empty(), "run seed {}: {missed:#?}", check.run_seed);
     let failures: Vec<_> = check.failures.iter().map(ToString::to_string).collect();
@@ -62,12 +62,8 @@ fn weighted(scatter: Scatter, weight: impl Fn(f64) -> f64) -> Scatter {
     Scatter { weight: scatter.weight.map(weight), ..scatter }
 }
 
-/// Fewer samples than usual: what is found here is found for certain.
-const SAMPLES: usize = 1 << 17;
-
 fn verdict_on(specimen: &dyn Specimen, suite: Suite) -> Verdict {
-    let mut plan = Plan::new(run_seed(), [specimen]);
-    plan.samples = SAMPLES;
+    let plan = Plan::new(run_seed(), [specimen]);
     Examination::new(specimen, &plan).verdict(suite).unwrap()
 }
 
@@ -259,7 +255,7 @@ impl Specimen for Misguided {
 
 #[test]
 fn weights_without_bound_are_inconclusive() {
-    let misguided = Misguided(rough_mirror(0.05));
+    let misguided = Misguided(rough_mirror(0.02));
     let verdict = verdict_on(&misguided, Suite::Energy);
     assert_eq!(verdict.outcome, Outcome::Inconclusive, "{verdict}");
     assert!(verdict.what.contains("weights are so uneven"), "{verdict}");

@@ -52,6 +52,8 @@ fn a_narrow_lobe_over_a_broad_one_conforms() {
         (Shape::Beckmann, 1e-3, 0.3),
         (Shape::Beckmann, 1e-3, 0.02),
         (Shape::Beckmann, 1e-3, 0.001),
+        (Shape::Beckmann, 1e-3, 2e-4),
+        (Shape::Beckmann, 1e-3, 5e-5),
         (Shape::Beckmann, 1e-2, 0.04),
         (Shape::Ggx, 1e-3, 0.04),
         (Shape::Ggx, 0.05, 0.5),

@@ -154,19 +154,17 @@ fn val_averages_over_rough_glass() {
     table.par_iter().for_each(|&(alpha, transmitted_outside, reflected_inside)| {
         // Panels over √μ, narrow about the critical angle (√μ = 0.863).
         let ends = [0.0, 0.3, 0.6, 0.76, 0.863, 0.94, 1.0];
+        let panels = || ends.into_iter().zip(ends.into_iter().skip(1));
+        let nodes: Vec<_> = panels().flat_map(|panel| GAUSS.map(|node| (panel, node))).collect();
         let [outside, inside] = [1.0, -1.0].map(|side| {
-            let mut mean = [0.0; 2];
-            for (low, high) in ends.into_iter().zip(ends.into_iter().skip(1)) {
-                for [x, weight] in GAUSS {
-                    let root = low + (high - low) * x;
-                    let mu = root * root;
-                    let albedo = albedo(glass(Shape::Ggx, alpha), [(1.0 - mu * mu).sqrt(), 0.0, side * mu]);
-                    let measure = weight * (high - low) * 4.0 * root.powi(3);
-                    mean[0] += measure * albedo.value[0];
-                    mean[1] += measure * albedo.value[1];
-                }
-            }
-            mean
+            let shares = nodes.par_iter().map(|&((low, high), [x, weight])| {
+                let root = low + (high - low) * x;
+                let mu = root * root;
+                let albedo = albedo(glass(Shape::Ggx, alpha), [(1.0 - mu * mu).sqrt(), 0.0, side * mu]);
+                let measure = weight * (high - low) * 4.0 * root.powi(3);
+                [measure * albedo.value[0], measure * albedo.value[1]]
+            });
+            shares.reduce(|| [0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
         });
         println!("α {alpha}: T̄_int − T̄_ext/η² = {:+.1e}", inside[1] - outside[1] / 2.25);
         assert!((inside[1] - outside[1] / 2.25).abs() < 1e-4, "{inside:?} {outside:?}");

@@ -30,7 +30,7 @@ pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Fail
     }
     let specimens = catalogue()?;
     let mut plan = Plan::new(options.run.seed, specimens.iter().map(|specimen| &**specimen));
-    plan.samples = options.run.samples();
+    plan.samples = options.run.samples;
     let progress = Progress::new(specimens.len(), general);
     let report = Report::new(&specimens, &plan, &|_, _| progress.finished())?;
     drop(progress);

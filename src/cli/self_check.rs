@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::process::ExitCode;
 
 use bxdf_tests::{Outcome, Suite};
-use gonio::planted::{PlantedBug, Row, Search, SelfCheck, Suites};
+use gonio::planted::{Row, Search, SelfCheck, Suites};
 use gonio::report::self_check_json;
 
 use super::output::Form;
@@ -12,9 +12,8 @@ use super::progress::Progress;
 use super::{Failure, General, Run, print};
 
 pub(crate) fn run(run: &Run, seeds: usize, form: Form, general: &General) -> Result<ExitCode, Failure> {
-    let samples = run.samples.unwrap_or(PlantedBug::SAMPLES);
     let progress = Progress::new(SelfCheck::size()?, general);
-    let check = SelfCheck::run(run.seed, seeds, samples, Suites::All, &|| progress.finished())?;
+    let check = SelfCheck::run(run.seed, seeds, run.samples, Suites::All, &|| progress.finished())?;
     drop(progress);
     print(&match form {
         Form::Json => self_check_json(&check)?,

@@ -65,7 +65,7 @@ pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Fail
     let specimens = select(&options.names)?;
     // The error rate is shared by the whole run, whatever part of it this is.
     let mut plan = Plan::new(options.run.seed, specimens.iter().map(|specimen| &**specimen));
-    plan.samples = options.run.samples();
+    plan.samples = options.run.samples;
     let specimens = match options.shard {
         None => specimens,
         Some(shard) => shard.of(specimens),

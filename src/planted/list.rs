@@ -1,9 +1,9 @@
 //! The list: a name, the suite that must find it and what its most telling check is about, the correct specimen, the
-//! bug. Behind `needs` stand the samples per direction that it takes, where a self-check draws fewer.
+//! bug. Behind `needs` stand the samples per direction that it takes, where that is more than the default.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
-use bxdf_tests::{Direction, Measure, Microsurface, Scatter, Specimen, Suite, Transport};
+use bxdf_tests::{Direction, Measure, Microsurface, Plan, Scatter, Specimen, Suite, Transport};
 
 use super::mutant::Bug;
 use super::specimens::{
@@ -42,7 +42,7 @@ macro_rules! finder {
 
 macro_rules! samples {
     () => {
-        PlantedBug::SAMPLES
+        Plan::DEFAULT_SAMPLES
     };
     ($samples:expr) => {
         $samples

@@ -22,7 +22,7 @@ const EFFORT: Effort = Effort { sweep: 192, starts: 2, steps: 64 };
 /// directions tilts facets by more than a hundredth of the narrowest lobes, and the mean of a peak is not the peak.
 const GRAZING: [f64; 2] = [1e-6, 2e5];
 /// Samples that estimate an albedo in the search, the same uniforms everywhere.
-const ESTIMATE: usize = 256;
+const ESTIMATE: usize = 128;
 
 pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     let claims = &examination.claims;
@@ -150,12 +150,14 @@ fn search_worst(examination: &Examination<'_>, ledger: &mut Ledger) {
         };
         sum.map(excess).into_iter().fold(f64::NEG_INFINITY, f64::max)
     });
+    let is_violated = ledger.is_violated();
     check_member(examination, ledger, &found.parameters, |examination, ledger| {
         let Examination { specimen, name, claims, plan, .. } = examination;
         let setting = power_setting(claims, found.point);
         let look = |look| Survey::new((*specimen, name.as_str()), claims, plan, &setting, look);
         let first = look(Look::FIRST);
-        let survey = if is_within(claims, &setting, &first) { first } else { look(Look::second(plan)) };
+        let suffices = is_violated || is_within(claims, &setting, &first);
+        let survey = if suffices { first } else { look(Look::second(plan)) };
         // An extreme member whose integral does not converge says nothing about the specimen.
         if survey.albedo().error.iter().any(|&error| error > WORST_ERROR) {
             return 0.0;

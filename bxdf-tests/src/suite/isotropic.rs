@@ -33,12 +33,13 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
                 })
             };
             let here = values(wo, wi);
+            // Both directions are rounded anew.
+            let of_wi = examination.rounding_errors(wi, here, |w| values(wo, w));
+            let of_wo = examination.rounding_errors(wo, here, |w| values(w, wi));
             for angle in TURNS {
                 let there = values(turned(wo, angle), turned(wi, angle));
                 for i in 0..4 {
-                    // Both directions were rounded anew.
-                    let allowed = 2.0 * examination.rounding_error(wi, here[i], |w| values(wo, w)[i])
-                        + 2.0 * examination.rounding_error(wo, here[i], |w| values(w, wi)[i]);
+                    let allowed = 2.0 * (of_wi[i] + of_wo[i]);
                     let what = "pdf or f [1/sr], or a delta, after a turn about the normal";
                     ledger.record(Check::new(what, (there[i] - here[i]).abs(), allowed, witness));
                 }
