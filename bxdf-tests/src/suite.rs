@@ -111,6 +111,8 @@ pub struct PValue {
     pub detectable: Option<Detectable<&'static str>>,
     /// Why the evidence cannot carry a conclusion.
     pub inconclusive: Option<&'static str>,
+    /// Whether it could with more samples.
+    pub wants_samples: bool,
 }
 
 /// A direction at which samples are counted, and the p-values of all statistical checks there: what the laboratory's
@@ -314,12 +316,12 @@ impl<'a> Examination<'a> {
         let first = p_values(surveyed);
         // NaN is not a matter of chance.
         let is_grey = |p: &PValue| p.ln_p < LN_GREY;
-        let is_open = |p: &PValue| is_grey(p) || p.inconclusive.is_some();
+        let is_open = |p: &PValue| is_grey(p) || p.wants_samples;
         let is_doubtful = first.iter().any(is_open) && !ledger.is_violated();
         let second = is_doubtful.then(|| p_values(self.second(surveyed)));
         for (i, first) in first.iter().enumerate() {
             let (p, ln_p) = match &second {
-                Some(second) if first.inconclusive.is_some() => (&second[i], second[i].ln_p),
+                Some(second) if first.wants_samples => (&second[i], second[i].ln_p),
                 Some(second) if is_grey(first) => (&second[i], second[i].ln_p + LN_GREY),
                 _ => (first, first.ln_p),
             };

@@ -87,7 +87,8 @@ pub(super) fn p_values(examination: &Examination<'_>, survey: &Survey, tally: &T
                 .detectable(DEVIATION[level], |ln_level, samples| pearson.detectable(ln_level, samples));
             let cells = is_finest.then_some(pearson.cells);
             let ln_p = pearson.ln_p;
-            PValue { what: WHAT[level], ln_p, samples: tally.samples, cells, detectable, inconclusive }
+            let samples = tally.samples;
+            PValue { what: WHAT[level], ln_p, samples, cells, detectable, inconclusive, wants_samples: false }
         })
         .collect();
     let rare = || finest.iter().filter(|row| samples * row.probability < POOLED_BELOW);
@@ -101,6 +102,7 @@ pub(super) fn p_values(examination: &Examination<'_>, survey: &Survey, tally: &T
         cells: None,
         detectable,
         inconclusive: None,
+        wants_samples: false,
     };
     let surprise = ln_sidak(surprise, rare().count().max(1));
     p_values.push(of("-log10 p of samples where the pdf is next to nothing", surprise, None));

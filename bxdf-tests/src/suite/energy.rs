@@ -67,6 +67,7 @@ pub(super) fn p_values(examination: &Examination<'_>, survey: &Survey, tally: &T
         };
         let reach = mean_reach(level, deviation, range, samples);
         let brightness = albedo.max(0.1);
+        let is_hidden = reach > WORST_REACH * brightness;
         let what = "an error of the mean weight, relative to the albedo (to 0.1 where that is less),";
         let detectable = examination.detectable(what, |ln_level, samples| {
             (2.0 * error + detectable_mean(ln_level, deviation, range, samples)) / brightness
@@ -77,8 +78,9 @@ pub(super) fn p_values(examination: &Examination<'_>, survey: &Survey, tally: &T
             samples: tally.samples,
             cells: None,
             detectable,
-            inconclusive: (reach > WORST_REACH * brightness)
+            inconclusive: is_hidden
                 .then_some("weights are so uneven that the samples hide a tenth of the albedo"),
+            wants_samples: is_hidden,
         }
     };
     (0..3).map(p_value).collect()

@@ -43,5 +43,6 @@ pub(super) fn p_values(examination: &Examination<'_>, survey: &Survey, tally: &T
     let detectable =
         examination.detectable(what, |ln_level, samples| detectable_rate(ln_level, none, error, samples));
     let what = "-log10 p that the rate of no sample is what the pdf leaves";
-    vec![PValue { what, ln_p, samples: tally.samples, cells: None, detectable, inconclusive: None }]
+    let samples = tally.samples;
+    vec![PValue { what, ln_p, samples, cells: None, detectable, inconclusive: None, wants_samples: false }]
 }
