@@ -17,6 +17,8 @@ const POOLED_BELOW: f64 = 5.0;
 const FEW_POOLS: usize = 8;
 /// Cells at the finest resolution below which χ² sees nothing of a continuous lobe.
 const LEAST_CELLS: usize = 16;
+/// Mass of a continuous lobe beside deltas from which on its pilot samples make twice that many cells.
+const LEAST_MASS: f64 = 0.02;
 /// Error of the expected count, squared and in units of its variance, above which cells are pooled.
 const POOLED_ABOVE: f64 = 0.25;
 /// The error of the expected counts may reach this fraction of the statistic's standard deviation.
@@ -77,7 +79,7 @@ pub(super) fn p_values(examination: &Examination<'_>, survey: &Survey, tally: &T
                 finest.clone_from(&rows);
             }
             let pearson = pearson(rows, samples);
-            let is_blind = is_finest && pearson.cells < LEAST_CELLS && survey.integral.value[0] > 0.01;
+            let is_blind = is_finest && pearson.cells < LEAST_CELLS && survey.integral.value[0] > LEAST_MASS;
             let inconclusive = match (pearson.is_uncertain, is_blind) {
                 (true, _) => Some("the expected counts are too uncertain"),
                 (_, true) => Some("the lobe is narrower than the cells that its precision can tell apart"),
