@@ -115,6 +115,17 @@ pub struct PValue {
     pub wants_samples: bool,
 }
 
+impl PValue {
+    /// What is left of it where rounding decides, and neither the pdf nor the samples.
+    fn conclude_nothing(&mut self) {
+        // NaN is not a matter of rounding.
+        self.ln_p = if self.ln_p.is_nan() { f64::NAN } else { 0.0 };
+        self.inconclusive =
+            Some("the lobe is narrower than the directions that its precision can tell apart");
+        (self.detectable, self.wants_samples) = (None, false);
+    }
+}
+
 /// A direction at which samples are counted, and the p-values of all statistical checks there: what the laboratory's
 /// own calibration and power are measured with.
 #[derive(Clone, Copy)]
@@ -309,9 +320,13 @@ impl<'a> Examination<'a> {
         p_values: impl Fn(&Survey, &Tally) -> Vec<PValue>,
     ) {
         let level = self.plan.ln_level();
-        let p_values = |surveyed: &Surveyed| match &surveyed.tally {
-            Some(tally) => p_values(&surveyed.survey, tally),
-            None => Vec::new(),
+        let p_values = |surveyed: &Surveyed| {
+            let survey = &surveyed.survey;
+            let mut found = surveyed.tally.as_ref().map_or_else(Vec::new, |tally| p_values(survey, tally));
+            if survey.is_coarse {
+                found.iter_mut().for_each(PValue::conclude_nothing);
+            }
+            found
         };
         let first = p_values(surveyed);
         // NaN is not a matter of chance.

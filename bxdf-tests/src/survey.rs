@@ -7,6 +7,7 @@ use crate::deltas::{Delta, Deltas};
 use crate::plan::{Plan, Setting};
 use crate::quadrature::{Effort, Integral, NODES, integrate};
 use crate::specimen::{Direction, Scatter, Specimen, Transport};
+use crate::suite::{moved, tangents};
 use crate::verdict::Check;
 use crate::{Claims, Precision};
 use rand::RngExt;
@@ -88,6 +89,40 @@ pub(crate) struct Survey {
     pub(crate) largest_weight: f64,
     /// The first f or pdf at any node that no BxDF may have.
     pub(crate) fault: Option<Check>,
+    /// Whether the lobe is as narrow as the lattice of directions that the precision holds.
+    pub(crate) is_coarse: bool,
+}
+
+/// Pilot samples at which rounding is tried.
+const ROUNDED: usize = 64;
+/// Rms change of the density, relative, from which on samples and nodes fall on a lattice coarser than the lobe. Over
+/// the grid of the long form, Beckmann and GGX of α = 1e-4 seen in single precision from 89.9° come to more than 1,
+/// everything else to less than 0.16.
+const COARSE: f64 = 0.5;
+
+/// Whether the density at pilot samples changes by more than that as they move by 2 ε, which is what a reflection makes
+/// of the rounding of its facet.
+fn is_coarse(
+    specimen: &dyn Specimen,
+    setting: &Setting,
+    precision: Precision,
+    directions: &[Direction],
+    densities: &[f64],
+) -> bool {
+    let step = 2.0 * precision.epsilon();
+    let stride = directions.len().div_ceil(ROUNDED).max(1);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (&wi, &density) in directions.iter().zip(densities).step_by(stride) {
+        let [first, second] = tangents(wi);
+        let near = [first, second, wi].map(|axis| moved(wi, axis, step));
+        let mut there = [0.0; 3];
+        specimen.pdf_many(setting.wo, &near, setting.transport, &mut there);
+        let squares: f64 = there.iter().map(|other| (other / density - 1.0).powi(2)).sum();
+        if squares.is_finite() {
+            (sum, count) = (sum + squares, count + 1.0);
+        }
+    }
+    sum > COARSE * COARSE * count
 }
 
 /// What an integral over the sphere may be wrong by beyond the error bound of its cubature: sums of rounded terms, and
@@ -190,6 +225,7 @@ impl Survey {
         let count = directions.len();
         let mut densities = vec![0.0; count];
         specimen.pdf_many(setting.wo, &directions, setting.transport, &mut densities);
+        let is_coarse = is_coarse(specimen, setting, precision, &directions, &densities);
         let pilots = directions
             .iter()
             .zip(densities)
@@ -202,6 +238,7 @@ impl Survey {
             largest_weight: deltas.iter().flat_map(|delta| delta.scatter.weight).fold(0.0, f64::max),
             deltas,
             fault: None,
+            is_coarse,
             cell_mass: Vec::new(),
             integral: Integral::ZERO,
         };
