@@ -92,6 +92,8 @@ pub(crate) struct Cell {
     pub(crate) pieces: Vec<Region>,
     /// The group that the cell belongs to, per resolution from coarse to fine.
     pub(crate) groups: [usize; RESOLUTIONS],
+    /// What it covers \[sr\].
+    pub(crate) solid_angle: f64,
     /// Where the pilot points in it lie on average, (v, φ).
     pub(crate) centre: [f64; 2],
     /// Mean of ln pdf over the pilot points in it; −∞ where there are none.
@@ -150,11 +152,11 @@ impl Partition {
         partition
     }
 
-    /// Counts directions in their cells.
+    /// The cells of directions.
     ///
     /// All of them go down one halving at a time: side by side they do not wait for each other, while a single one
     /// waits for every node, and that was half of the time of a run.
-    pub(crate) fn count(&self, directions: &[Direction], counts: &mut [u64]) {
+    pub(crate) fn cells_of(&self, directions: &[Direction]) -> impl Iterator<Item = usize> {
         let mut places: Vec<(usize, [f64; 2])> = directions
             .iter()
             .map(|&direction| {
@@ -168,9 +170,7 @@ impl Partition {
                 *node = children[usize::from(at[axis] >= cut)];
             }
         }
-        for (node, _) in places {
-            counts[self.nodes[node].cell] += 1;
-        }
+        places.into_iter().map(|(node, _)| self.nodes[node].cell)
     }
 }
 
@@ -205,7 +205,8 @@ impl Growth<'_> {
             self.cut(points, rectangle, depth, &mut pieces);
             let groups = core::array::from_fn(|level| groups[level].unwrap_or_else(|| self.new_group(level)));
             self.partition.nodes[index].cell = self.partition.cells.len();
-            let cell = Cell { hemisphere: self.hemisphere, pieces, groups, centre, ln_density };
+            let (hemisphere, solid_angle) = (self.hemisphere, rectangle.area());
+            let cell = Cell { hemisphere, pieces, groups, solid_angle, centre, ln_density };
             self.partition.cells.push(cell);
             return index;
         };
@@ -394,7 +395,7 @@ mod tests {
         let mut directions = [[0.0; 3]];
         for Pilot { point, .. } in pilots {
             chart.directions(0, &[point.at], &mut directions);
-            partition.count(&directions, &mut counts);
+            partition.cells_of(&directions).for_each(|cell| counts[cell] += 1);
         }
         let crowded = counts.iter().filter(|&&count| (14..=18).contains(&count)).count();
         assert!(crowded > 250, "{counts:?}");

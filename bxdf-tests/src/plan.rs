@@ -11,8 +11,9 @@ use rand_pcg::Pcg64;
 pub const FAMILY_ERROR_RATE: f64 = 1e-6;
 
 /// Statistical checks per direction, in the one transport mode whose samples are counted there: χ² at three
-/// resolutions, its rare cells, the smooth contrasts, the rate of no-sample, and the mean weight of three channels.
-pub(crate) const CHECKS_PER_DIRECTION: usize = 3 + 1 + CONTRASTS + 1 + 3;
+/// resolutions, its rare cells, the smooth contrasts, the rate of no-sample, the solid-angle identity, and the mean weight
+/// of three channels.
+pub(crate) const CHECKS_PER_DIRECTION: usize = 3 + 1 + CONTRASTS + 1 + 1 + 3;
 
 /// The plan of a run.
 #[derive(Clone, Debug)]

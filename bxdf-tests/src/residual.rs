@@ -173,11 +173,11 @@ pub(crate) fn gather(
         map[row][column].0 += 1;
         waiting.push(scatter.wi);
         if waiting.len() == BATCH {
-            partition.count(&waiting, &mut of_cell);
+            partition.cells_of(&waiting).for_each(|cell| of_cell[cell] += 1);
             waiting.clear();
         }
     });
-    partition.count(&waiting, &mut of_cell);
+    partition.cells_of(&waiting).for_each(|cell| of_cell[cell] += 1);
 
     let side = usize::from(wo[2] < 0.0);
     let empty = |hemisphere: usize| Row {

@@ -67,7 +67,7 @@ fn always(_: &Claims) -> bool {
 
 suites! {
     Finite finite: "values, densities and weights are finite and not negative everywhere", if always;
-    Normalised normalised: "∫ pdf + Σ delta masses + P(no sample) = 1", if always;
+    Normalised normalised: "∫ pdf + Σ delta masses + P(no sample) = 1; 1 / pdf of the samples averages to solid angles", if always;
     ChiSquare chi_square: "samples follow the pdf, the deltas and the rate of no sample", if always;
     Weight weight: "weight · pdf = f · |cos θi|, and the reported density is the pdf", if always;
     Reciprocal reciprocal: "f(wo, wi) = f(wi, wo); across a boundary what importance carries forth radiance carries back", if |claims: &Claims| claims.reciprocal;
@@ -143,17 +143,33 @@ impl Trial<'_> {
     /// The p-values on fresh samples in the same cells, the same for the same repetition. The 0th are those of the first
     /// stage of a verdict.
     pub fn p_values(&self, repetition: u64) -> Vec<(Suite, PValue)> {
-        let Self { examination, surveyed: Surveyed { setting, survey, tally, .. } } = *self;
-        let Some(first) = tally else { return Vec::new() };
-        let Examination { specimen, name, claims, plan, .. } = examination;
-        if repetition == 0 {
-            return examination.p_values(survey, first);
-        }
+        let plan = self.examination.plan.repetition(repetition);
+        let Surveyed { survey, tally, .. } = self.repeated(&plan);
+        tally.map_or_else(Vec::new, |tally| self.examination.p_values(&survey, &tally))
+    }
+
+    /// Whether both stages of a verdict find a violation on fresh samples; those of the first stage fall into the same cells
+    /// again, the second measures its own.
+    pub fn is_violated(&self, repetition: u64) -> bool {
+        let plan = self.examination.plan.repetition(repetition);
+        let Examination { specimen, name, claims, surveys, .. } = self.examination;
+        let (name, claims, surveys) = (name.clone(), claims.clone(), Arc::clone(surveys));
+        let fresh = Examination { specimen: *specimen, name, claims, plan: &plan, surveys };
+        let mut ledger = Ledger::default();
+        fresh.judge(&self.repeated(&plan), &mut ledger, |survey, tally| {
+            fresh.p_values(survey, tally).into_iter().map(|(_, p_value)| p_value).collect()
+        });
+        ledger.is_violated()
+    }
+
+    /// The same cells with the samples of another plan.
+    fn repeated(&self, plan: &Plan) -> Surveyed {
+        let Self { examination: Examination { specimen, name, claims, .. }, surveyed } = *self;
+        let setting = surveyed.setting;
         // A delta too rare for the pilot samples is added as it is met.
-        let mut survey = survey.clone();
-        let subject = (*specimen, name.as_str());
-        let tally = survey.tally(subject, claims, &plan.repetition(repetition), setting, Look::FIRST);
-        examination.p_values(&survey, &tally)
+        let mut survey = surveyed.survey.clone();
+        let tally = survey.tally((*specimen, name.as_str()), claims, plan, &setting, Look::FIRST);
+        Surveyed { setting, survey, tally: Some(tally), second: OnceLock::new() }
     }
 }
 

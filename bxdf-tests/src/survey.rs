@@ -6,7 +6,7 @@ use crate::calls;
 use crate::deltas::{Delta, Deltas};
 use crate::plan::{Plan, Setting};
 use crate::quadrature::{Effort, Integral, NODES, integrate};
-use crate::specimen::{Direction, Scatter, Specimen, Transport};
+use crate::specimen::{Direction, Measure, Scatter, Specimen, Transport};
 use crate::suite::{moved, tangents};
 use crate::verdict::Check;
 use crate::{Claims, Precision};
@@ -83,12 +83,16 @@ pub(crate) struct Survey {
     pub(crate) deltas: Deltas,
     /// ∫ pdf per cell.
     pub(crate) cell_mass: Vec<[f64; 2]>,
-    /// Sum over cells of ∫ pdf, ∫ f cos (three channels), ∫ (f cos)² / pdf (three channels).
+    /// Sum over cells of ∫ pdf, ∫ f cos (three channels), ∫ (f cos)² / pdf (three channels), ∫ 1 / pdf.
     pub(crate) integral: Integral<INTEGRALS>,
     /// Largest f cos / pdf at any node, or weight of any delta.
     pub(crate) largest_weight: f64,
     /// The first f or pdf at any node that no BxDF may have.
     pub(crate) fault: Option<Check>,
+    /// f cos at any node where the pdf is 0, if that is the largest.
+    pub(crate) unsampled: Option<Check>,
+    /// What 1 / pdf of samples must average to.
+    pub(crate) solid_angle: SolidAngle,
     /// Whether the lobe is as narrow as the lattice of directions that the precision holds.
     pub(crate) is_coarse: bool,
 }
@@ -132,8 +136,45 @@ pub(crate) fn slack(precision: Precision) -> f64 {
     64.0 * precision.epsilon() + 1e-6
 }
 
-/// ∫ pdf, ∫ f cos, ∫ (f cos)²/pdf.
-pub(crate) const INTEGRALS: usize = 7;
+/// ∫ pdf, ∫ f cos, ∫ (f cos)²/pdf, ∫ 1/pdf.
+pub(crate) const INTEGRALS: usize = 8;
+
+/// The solid-angle identity: the mean over samples of 1 / pdf in a cell is the solid angle of the cell, whatever the pdf
+/// is. No cubature enters it, and it sees a pdf that is wrong inside cells and right on their average.
+///
+/// One sum tells of all cells: each sample adds a / pdf, a constant per cell, so that the mean is Σ a Ω. With a = ∫ pdf
+/// / Ω that is the mass of the cells, and a sample adds about 1.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SolidAngle {
+    /// a per cell \[1/sr\]; 0 for cells that are left out.
+    density: Vec<f64>,
+    /// Σ a Ω.
+    pub(crate) mean: f64,
+    /// Σ a² ∫ 1/pdf.
+    pub(crate) second_moment: f64,
+    /// The largest a / pdf at any node.
+    pub(crate) largest: f64,
+}
+
+impl SolidAngle {
+    /// The largest mean density of a cell over the density at any of its nodes: where the pdf falls to 0 inside a cell, 1 /
+    /// pdf has no variance.
+    const UNEVEN: f64 = 8.0;
+
+    /// Takes a cell with its mass, ∫ 1/pdf, and the largest 1/pdf at its nodes.
+    fn add(&mut self, solid_angle: f64, mass: f64, inverse: f64, largest: f64) {
+        let density = mass / solid_angle;
+        // NaN is left out and told elsewhere.
+        if density > 0.0 && density * largest <= Self::UNEVEN {
+            self.density.push(density);
+            self.mean += mass;
+            self.second_moment += density * density * inverse;
+            self.largest = self.largest.max(density * largest);
+        } else {
+            self.density.push(0.0);
+        }
+    }
+}
 
 /// Everything counted while sampling.
 #[derive(Clone, Debug)]
@@ -143,6 +184,9 @@ pub(crate) struct Tally {
     pub(crate) cells: Vec<u64>,
     /// In the order of the deltas.
     pub(crate) deltas: Vec<u64>,
+    /// Σ a / pdf of the solid-angle identity, and the largest term.
+    pub(crate) inverse: f64,
+    pub(crate) largest_inverse: f64,
     /// Sum of weights per channel, in the measure of power where the setting carries importance.
     pub(crate) weight: [f64; 3],
     pub(crate) largest_weight: f64,
@@ -238,6 +282,8 @@ impl Survey {
             largest_weight: deltas.iter().flat_map(|delta| delta.scatter.weight).fold(0.0, f64::max),
             deltas,
             fault: None,
+            unsampled: None,
+            solid_angle: SolidAngle::default(),
             is_coarse,
             cell_mass: Vec::new(),
             integral: Integral::ZERO,
@@ -265,8 +311,12 @@ impl Survey {
         let mut densities = vec![0.0; NODES];
         let mut values = vec![[0.0; 3]; NODES];
         let (mut largest_weight, mut fault) = (self.largest_weight, None);
+        let mut unsampled: Option<Check> = None;
+        // Below, a density that is too small to be told from 0 is none.
+        let least = 64.0 * precision.smallest_normal();
         for cell in &self.partition.cells {
             let chart = &self.partition.chart;
+            let mut largest_inverse: f64 = 0.0;
             let mut integrand = |points: &[[f64; 2]], out: &mut [[f64; INTEGRALS]]| {
                 let directions = &mut directions[..out.len()];
                 chart.directions(cell.hemisphere, points, directions);
@@ -283,9 +333,17 @@ impl Survey {
                         fault = checks.find(|check| !check.holds());
                     }
                     let square = |x: f64| if density > 0.0 { x * x / density } else { 0.0 };
-                    *out = [density, r, g, b, square(r), square(g), square(b)];
+                    let inverse = 1.0 / density;
+                    let highest = r.max(g).max(b);
+                    *out = [density, r, g, b, square(r), square(g), square(b), 0.0];
+                    largest_inverse = largest_inverse.max(inverse);
                     if density > 0.0 {
-                        largest_weight = largest_weight.max(r.max(g).max(b) / density);
+                        out[7] = inverse;
+                        largest_weight = largest_weight.max(highest / density);
+                    } else if highest > unsampled.map_or(least, |known| known.value) {
+                        let what = "f |cos θi| [1/sr] where the pdf is 0";
+                        let witness = setting.witness().with_wi(directions[k]);
+                        unsampled = Some(Check::new(what, highest, least, witness));
                     }
                 }
             };
@@ -293,10 +351,12 @@ impl Survey {
             let rectangles = cell.pieces.len() + rectangles;
             let effort = Effort { absolute, leading: 4, rectangles, tries_few_nodes };
             let integral = integrate(&cell.pieces, effort, &mut integrand);
-            self.cell_mass.push([integral.value[0], integral.error[0]]);
+            let ([mass, .., inverse], [error, ..]) = (integral.value, integral.error);
+            self.solid_angle.add(cell.solid_angle, mass, inverse, largest_inverse);
+            self.cell_mass.push([mass, error]);
             self.integral.add(&integral);
         }
-        (self.largest_weight, self.fault) = (largest_weight, fault);
+        (self.largest_weight, self.fault, self.unsampled) = (largest_weight, fault, unsampled);
     }
 
     /// ∫ f cos plus the deltas, per channel, with error bounds: the directional albedo.
@@ -341,12 +401,14 @@ impl Survey {
             none: 0,
             cells: vec![0; self.partition.cells.len()],
             deltas: vec![0; self.deltas.len()],
+            inverse: 0.0,
+            largest_inverse: 0.0,
             weight: [0.0; 3],
             largest_weight: 0.0,
             fault: None,
             unusable: None,
         };
-        let mut waiting: Vec<Direction> = Vec::with_capacity(BATCH);
+        let mut waiting = Waiting::default();
         draw(specimen, setting, claims.precision, &mut generator, samples, |uniforms, scatter| {
             let Some(scatter) = scatter else {
                 tally.none += 1;
@@ -366,14 +428,14 @@ impl Survey {
                 tally.unusable.get_or_insert(scatter);
                 return;
             }
-            let Some(delta) = Delta::of(scatter) else {
-                waiting.push(scatter.wi);
-                if waiting.len() == BATCH {
-                    self.partition.count(&waiting, &mut tally.cells);
-                    waiting.clear();
+            if let Measure::SolidAngle(density) = scatter.density {
+                waiting.directions.push(scatter.wi);
+                waiting.densities.push(density);
+                if waiting.directions.len() == BATCH {
+                    tally.count(&mut waiting, &self.partition, &self.solid_angle);
                 }
-                return;
-            };
+            }
+            let Some(delta) = Delta::of(scatter) else { return };
             // A delta too rare for the pilot samples enters with the probability that it reports.
             if let Some(delta) = self.deltas.find_or_add(delta) {
                 tally.deltas.resize(self.deltas.len(), 0);
@@ -382,7 +444,30 @@ impl Survey {
                 tally.unusable.get_or_insert(scatter);
             }
         });
-        self.partition.count(&waiting, &mut tally.cells);
+        tally.count(&mut waiting, &self.partition, &self.solid_angle);
         tally
+    }
+}
+
+/// Samples that are counted together.
+#[derive(Default)]
+struct Waiting {
+    directions: Vec<Direction>,
+    densities: Vec<f64>,
+}
+
+impl Tally {
+    /// Counts what has waited.
+    fn count(&mut self, waiting: &mut Waiting, partition: &Partition, solid_angle: &SolidAngle) {
+        for (cell, density) in partition.cells_of(&waiting.directions).zip(&waiting.densities) {
+            self.cells[cell] += 1;
+            if solid_angle.density[cell] > 0.0 {
+                let share = solid_angle.density[cell] / density;
+                self.inverse += share;
+                self.largest_inverse = self.largest_inverse.max(share);
+            }
+        }
+        waiting.directions.clear();
+        waiting.densities.clear();
     }
 }

@@ -1,8 +1,9 @@
 //! The statistics are what they claim to be: on correct specimens every p-value is uniform, neither too small, which
 //! raises false alarms, nor too large, which hides bugs.
 //!
-//! The long form takes more p-values per check, more samples, and prints a table:
-//! `BXDF_TESTS_P_VALUES=10000 BXDF_TESTS_SAMPLES=262144 cargo test --test calibration -- --nocapture`.
+//! The long forms take more p-values per check, more samples and more run seeds, and print tables:
+//! `BXDF_TESTS_P_VALUES=10000 BXDF_TESTS_SAMPLES=262144 cargo test --test calibration uniform -- --nocapture` and
+//! `BXDF_TESTS_RUN_SEEDS=10000 cargo test --test calibration accused -- --nocapture`.
 #![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot be set up has failed")]
 
 use std::collections::BTreeMap;
@@ -12,7 +13,7 @@ use gonio::fresnel::Fresnel;
 use gonio::lobe::{DielectricSpecular, Lambertian, MicrofacetReflection};
 use gonio::microfacet::{Distribution, Shape};
 use gonio::rgb::Rgb;
-use gonio::specimen::BxdfSpecimen;
+use gonio::specimen::{BxdfSpecimen, catalogue};
 use rayon::prelude::*;
 
 /// Probability that this test fails on statistics that are right.
@@ -175,4 +176,53 @@ fn p_values_on_correct_specimens_are_uniform() {
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// Random samples per direction of the quick catalogue: one p-value in the grey zone costs a second look, whatever their
+/// number.
+const QUICK: usize = 1 << 12;
+
+/// One specimen of each family of the catalogue and of each precision: each lobe, each stack.
+fn quick_catalogue() -> Vec<Box<dyn Specimen>> {
+    let family = |name: &str| {
+        let parts: Vec<&str> = name.split('/').collect();
+        (parts[0].to_owned(), parts[parts.len() - 1].to_owned())
+    };
+    let mut quick: Vec<Box<dyn Specimen>> = Vec::new();
+    for specimen in catalogue().unwrap() {
+        if quick.iter().all(|known| family(&known.name()) != family(&specimen.name())) {
+            quick.push(specimen);
+        }
+    }
+    quick
+}
+
+#[test]
+fn no_correct_specimen_is_accused() {
+    let (seed, run_seeds) = (run_seed(), setting("BXDF_TESTS_RUN_SEEDS", 20));
+    let specimens = quick_catalogue();
+    let plan = Plan { samples: QUICK, ..Plan::new(seed, specimens.iter().map(|specimen| &**specimen)) };
+    println!("run seed {seed}: {} specimens, {run_seeds} run seeds", specimens.len());
+    let accused: Vec<String> = specimens
+        .par_iter()
+        .with_max_len(1)
+        .flat_map_iter(|specimen| {
+            let examination = Examination::new(&**specimen, &plan);
+            let accused: Vec<String> = examination
+                .trials()
+                .flat_map(|trial| {
+                    let violated = (1..=run_seeds).into_par_iter().filter(|&i| trial.is_violated(i));
+                    violated
+                        .map(|i| format!("{} {i}: {:?}", specimen.name(), trial.witness()))
+                        .collect::<Vec<_>>()
+                })
+                .collect();
+            println!("  {}: {} directions", specimen.name(), examination.trials().count());
+            accused
+        })
+        .collect();
+    // Each run makes as many checks as the family has.
+    let runs = plan.family as f64 * run_seeds as f64;
+    println!("{} violations; {runs:e} checks of level {:.1e}", accused.len(), plan.ln_level().exp());
+    assert!(accused.is_empty(), "{}", accused.join("\n"));
 }

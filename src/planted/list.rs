@@ -292,6 +292,9 @@ bugs! {
         [Bug::Pdf(|pdf, _, _| pdf / KEPT)];
     density_without_the_probability_of_its_component: Normalised, "mass of the pdf", mirrored_paper,
         [Bug::Pdf(|pdf, _, _| pdf / (1.0 - MIRROR))];
+    // Right on the average of each cell.
+    density_ripples_inside_cells: Normalised, "averages to the solid angle", rough_mirror,
+        [Bug::Pdf(|pdf, _, wi| pdf * (1.0 + 0.3 * libm::sin(150.0 * wi[0])))];
     density_with_rational_masking: Normalised, "the pdf", rough_gold,
         [Bug::Pdf(|pdf, wo, _| {
             pdf * beckmann_g1_rational(wo, ALPHA) * (1.0 + beckmann_lambda(wo, ALPHA))
@@ -469,6 +472,9 @@ bugs! {
         [Bug::Eval(|f, _, _| PI * f)];
     mean_weight_is_not_the_albedo: Energy, "mean weight", rough_mirror,
         [Bug::Scatter(|scatter, _, _| weighted(scatter, |weight| 1.01 * weight))];
+    // Too little for an albedo, and nothing that samples could meet.
+    value_where_no_sample_goes: Energy, "where the pdf is 0", white_paper,
+        [Bug::Value(|f, wi| if wi[2] < 0.0 { f + 1e-9 } else { f })];
     lossless_boundary_absorbs: Energy, "energy lost", glass,
         [Bug::Scatter(|scatter, _, _| weighted(scatter, |weight| 0.999 * weight))];
     importance_is_scaled_as_radiance: Energy, "directional albedo", glass,

@@ -35,6 +35,8 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
             let least = check_albedo(claims, ledger, setting, decisive);
             largest_albedo = largest_albedo.max(least);
         }
+        // No number of samples finds it.
+        surveyed.survey.unsampled.into_iter().for_each(|check| ledger.record(check));
         examination.judge(surveyed, ledger, |survey, tally| p_values(examination, survey, tally));
     }
     search_worst(examination, ledger);

@@ -1,8 +1,8 @@
-//! The density, the deltas and the probability of no sample make one.
+//! The density, the deltas and the probability of no sample make one; 1 / pdf of samples averages to solid angles.
 
 use super::{Examination, PValue};
-use crate::statistics::{detectable_rate, ln_binomial_two_sided};
-use crate::survey::{Survey, Tally};
+use crate::statistics::{detectable_mean, detectable_rate, ln_binomial_two_sided, ln_mean_two_sided};
+use crate::survey::{SolidAngle, Survey, Tally, slack};
 use crate::verdict::{Check, Ledger};
 
 /// Error of the mass above which nothing is said about it.
@@ -31,7 +31,7 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
     }
 }
 
-/// The rate of no sample.
+/// The rate of no sample and the solid-angle identity.
 pub(super) fn p_values(examination: &Examination<'_>, survey: &Survey, tally: &Tally) -> Vec<PValue> {
     let [none, error] = survey.no_sample(examination.claims.precision);
     let ln_p = if none.is_nan() {
@@ -44,5 +44,34 @@ pub(super) fn p_values(examination: &Examination<'_>, survey: &Survey, tally: &T
         examination.detectable(what, |ln_level, samples| detectable_rate(ln_level, none, error, samples));
     let what = "-log10 p that the rate of no sample is what the pdf leaves";
     let samples = tally.samples;
-    vec![PValue { what, ln_p, samples, cells: None, detectable, inconclusive: None, wants_samples: false }]
+    let rate =
+        PValue { what, ln_p, samples, cells: None, detectable, inconclusive: None, wants_samples: false };
+    vec![rate, solid_angle(examination, survey, tally)]
+}
+
+/// See [`crate::survey::SolidAngle`].
+fn solid_angle(examination: &Examination<'_>, survey: &Survey, tally: &Tally) -> PValue {
+    let SolidAngle { mean, second_moment, largest, .. } = survey.solid_angle;
+    // Part of a cell where the pdf is 0 may lie between all nodes.
+    let slack = slack(examination.claims.precision);
+    let range = largest.max(tally.largest_inverse);
+    let deviation = (second_moment - mean * mean).max(0.0).sqrt();
+    let found = tally.inverse / tally.samples as f64;
+    let ln_p = if found.is_nan() {
+        f64::NAN
+    } else {
+        let difference = ((found - mean).abs() - slack).max(0.0);
+        ln_mean_two_sided(difference, deviation, range, tally.samples as f64)
+    };
+    let what = "a variance of the density inside cells, over its square,";
+    let detectable = if mean > 0.0 {
+        examination.detectable(what, |ln_level, samples| {
+            (2.0 * slack + detectable_mean(ln_level, deviation, range, samples)) / mean
+        })
+    } else {
+        None
+    };
+    let what = "-log10 p that 1 / pdf of the samples averages to the solid angle";
+    let samples = tally.samples;
+    PValue { what, ln_p, samples, cells: None, detectable, inconclusive: None, wants_samples: false }
 }
