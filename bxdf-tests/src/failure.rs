@@ -3,13 +3,13 @@
 use core::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::diagnosis::{Diagnosis, of_counts, of_weights, roughness};
+use crate::diagnosis::{Diagnosis, of_counts, of_exchange, of_weights, roughness};
 use crate::plan::{Plan, Setting};
 use crate::residual::{Residual, gather};
-use crate::specimen::Transport;
+use crate::specimen::{Parameter, Specimen, Transport};
 use crate::suite::{Examination, Suite, Surveyed};
-use crate::survey::Look;
-use crate::verdict::{Outcome, Verdict, Witness};
+use crate::survey::{Look, Survey, Tally};
+use crate::verdict::{MOST_PARAMETERS, Outcome, Verdict, Witness};
 
 /// Directions that a diagnosis of counts rests on.
 const SETTINGS: usize = 5;
@@ -20,10 +20,21 @@ const SEEDS: u64 = 10;
 /// The smallest number of samples that is tried.
 const FEWEST: usize = 64;
 
+/// Members of a family that are tried.
+const MEMBERS: usize = 24;
+/// Simple values of a parameter that are tried.
+const VALUES: usize = 10;
+
 /// The smallest case of a statistical violation: the first of the plan's directions, from normal incidence
 /// on, and the fewest samples, a power of two, that fail with each of ten independent seeds.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+///
+/// For one of a family, the simplest member that fails no later and with no more samples, if one does: that whose
+/// parameters are all the same simple number, or else the simplest numbers; 1 is the simplest, then 0.5, 2, 0.2, 5, ...
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Smallest {
+    /// The parameters of the member of a family; none for the specimen as it is.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameters: Vec<(String, f64)>,
     /// The direction, and what is carried.
     pub witness: Witness,
     /// Random samples.
@@ -32,12 +43,38 @@ pub struct Smallest {
 
 impl fmt::Display for Smallest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "  smallest case: {} samples, {SEEDS} of {SEEDS} seeds fail", self.samples)?;
-        match self.witness.wo {
-            Some([x, y, z]) => write!(f, ", at wo ({x:e}, {y:e}, {z:e})"),
-            None => Ok(()),
+        f.write_str("  smallest case: ")?;
+        for (name, value) in &self.parameters {
+            write!(f, "{name} = {value}, ")?;
         }
+        if let Some([x, y, z]) = self.witness.wo {
+            let degrees = |radians: f64| (1000.0 * radians.to_degrees()).round() / 1000.0 + 0.0;
+            write!(f, "θo {}°, ", degrees(libm::atan2(libm::hypot(x, y), z)))?;
+            if x != 0.0 || y != 0.0 {
+                write!(f, "φo {}°, ", degrees(libm::atan2(y, x)))?;
+            }
+        }
+        if let Some(transport) = self.witness.transport {
+            write!(f, "{transport:?}, ")?;
+        }
+        write!(f, "{} samples ({SEEDS} of {SEEDS} seeds fail)", self.samples)
     }
+}
+
+/// The members of a family with simple parameters: first those where all are the same, then the others, each in the
+/// order of its simplicity.
+fn simple_members(parameters: &[Parameter]) -> Vec<Vec<f64>> {
+    let mut members = vec![(0, Vec::new())];
+    for parameter in parameters.iter().take(MOST_PARAMETERS) {
+        let values: Vec<f64> = parameter.simple().take(VALUES).collect();
+        let with = |(rank, member): &(usize, Vec<f64>)| {
+            let with = |(i, &value): (usize, &f64)| (rank + i, [&member[..], &[value]].concat());
+            values.iter().enumerate().map(with).collect::<Vec<_>>()
+        };
+        members = members.iter().flat_map(with).collect();
+    }
+    members.sort_by_key(|(rank, member)| (member.windows(2).any(|pair| pair[0] != pair[1]), *rank));
+    members.into_iter().map(|(_, member)| member).take(MEMBERS).collect()
 }
 
 impl Examination<'_> {
@@ -62,6 +99,7 @@ impl Examination<'_> {
                 (None, diagnosis, self.smallest(verdict.suite))
             }
             Suite::Weight => (None, self.weights(&verdict), None),
+            Suite::Reciprocal => (None, self.exchange(), None),
             _ => (None, None, None),
         };
         if let Ok(explanation) = catch_unwind(AssertUnwindSafe(explanation)) {
@@ -122,28 +160,66 @@ impl Examination<'_> {
         of_weights(self, &settings, roughness, verdict.what.contains("reported density"))
     }
 
+    /// What explains that directions cannot be exchanged.
+    fn exchange(&self) -> Option<Diagnosis> {
+        let settings = self.settings().into_iter().filter(|setting| setting.transport == Transport::Radiance);
+        let settings: Vec<Setting> = settings.collect();
+        of_exchange(self, &settings, roughness(self, &settings))
+    }
+
     /// The smallest case of a violation of a statistical suite.
     fn smallest(&self, suite: Suite) -> Option<Smallest> {
-        let level = self.plan.ln_level();
-        let fails = |plan: &Plan, surveyed: &Surveyed, repetition: u64| {
-            // A delta too rare for the pilot samples is added as it is met.
-            let mut survey = surveyed.survey.clone();
-            let subject = (self.specimen, self.name.as_str());
-            let plan = plan.repetition(repetition);
-            let tally = survey.tally(subject, &self.claims, &plan, &surveyed.setting, Look::FIRST);
-            self.p_values(&survey, &tally).iter().any(|(of, p)| *of == suite && p.ln_p < level)
-        };
-        let violated = |surveyed: &&Surveyed| {
-            let p_values = surveyed.tally.as_ref().map(|tally| self.p_values(&surveyed.survey, tally));
-            p_values.into_iter().flatten().any(|(of, p)| of == suite && p.ln_p < level)
-        };
-        let surveyed = self.surveys().iter().find(violated)?;
-        let numbers = core::iter::successors(Some(FEWEST), |samples| Some(2 * samples));
-        let samples = numbers.take_while(|&samples| samples <= self.plan.samples).find(|&samples| {
-            let plan = Plan { samples, ..self.plan.clone() };
-            (1..=SEEDS).all(|repetition| fails(&plan, surveyed, repetition))
+        let here = self.surveys().iter().find_map(|surveyed| {
+            let samples = self.fewest(suite, surveyed, self.plan.samples)?;
+            Some(Smallest { parameters: Vec::new(), witness: surveyed.setting.witness(), samples })
         })?;
-        Some(Smallest { witness: surveyed.setting.witness(), samples })
+        let Some(family) = self.specimen.family() else { return Some(here) };
+        let smaller = simple_members(family.parameters()).into_iter().find_map(|values| {
+            let member = || {
+                let member = family.at(&values)?;
+                let names = family.parameters().iter().map(|parameter| parameter.name.to_owned());
+                let parameters = names.zip(values.iter().copied()).collect();
+                Some(Smallest { parameters, ..self.no_larger(&*member, suite, &here)? })
+            };
+            // One that panics is no smaller case of this.
+            catch_unwind(AssertUnwindSafe(member)).ok().flatten()
+        });
+        smaller.or(Some(here))
+    }
+
+    /// The smallest case of a member of the family that is no larger than another one.
+    fn no_larger(&self, member: &dyn Specimen, suite: Suite, other: &Smallest) -> Option<Smallest> {
+        let member = Examination::named(self.name.clone(), member, self.plan);
+        let [.., cosine] = other.witness.wo?;
+        let settings = member.settings().into_iter();
+        // At the same angle but for rounding.
+        let no_later = |setting: &Setting| setting.is_counted && setting.wo[2].abs() > cosine.abs() - 1e-9;
+        settings.filter(no_later).find_map(|setting| {
+            let samples = member.fewest(suite, &member.look(setting, Look::FIRST), other.samples)?;
+            Some(Smallest { parameters: Vec::new(), witness: setting.witness(), samples })
+        })
+    }
+
+    /// The fewest samples, `most` or less, with which a suite fails at a direction for each of the seeds.
+    fn fewest(&self, suite: Suite, surveyed: &Surveyed, most: usize) -> Option<usize> {
+        let level = self.plan.ln_level();
+        let fails = |survey: &Survey, tally: &Tally| {
+            self.p_values(survey, tally).iter().any(|(of, p)| *of == suite && p.ln_p < level)
+        };
+        if !fails(&surveyed.survey, surveyed.tally.as_ref()?) {
+            return None;
+        }
+        let numbers = core::iter::successors(Some(FEWEST), |samples| Some(2 * samples));
+        numbers.take_while(|&samples| samples <= most).find(|&samples| {
+            let plan = Plan { samples, ..self.plan.clone() };
+            (1..=SEEDS).all(|repetition| {
+                // A delta too rare for the pilot samples is added as it is met.
+                let mut survey = surveyed.survey.clone();
+                let (subject, plan) = ((self.specimen, self.name.as_str()), plan.repetition(repetition));
+                let tally = survey.tally(subject, &self.claims, &plan, &surveyed.setting, Look::FIRST);
+                fails(&survey, &tally)
+            })
+        })
     }
 }
 

@@ -19,6 +19,7 @@ use crate::plan::{Plan, Setting};
 use crate::specimen::{Direction, Scatter, Specimen};
 use crate::survey::{Look, Survey, Tally};
 use crate::verdict::{Check, Detectable, Ledger, Verdict, Witness};
+pub(crate) use fresnel::reference as fresnel_reference;
 
 macro_rules! suites {
     ($($variant:ident $module:ident: $statement:literal, if $applies:expr;)+) => {
@@ -270,7 +271,7 @@ impl<'a> Examination<'a> {
         })
     }
 
-    fn look(&self, setting: Setting, look: Look) -> Surveyed {
+    pub(crate) fn look(&self, setting: Setting, look: Look) -> Surveyed {
         let subject = (self.specimen, self.name.as_str());
         let mut survey = Survey::new(subject, &self.claims, self.plan, &setting, look);
         let tally =
