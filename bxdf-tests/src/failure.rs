@@ -4,12 +4,12 @@ use core::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::diagnosis::{Diagnosis, of_counts, of_exchange, of_weights, roughness};
-use crate::plan::{Plan, Setting};
+use crate::plan::{Plan, Setting, direction, sides};
 use crate::residual::{Residual, gather};
-use crate::specimen::{Parameter, Specimen, Transport};
+use crate::specimen::{Direction, Parameter, Transport};
 use crate::suite::{Examination, Suite, Surveyed};
 use crate::survey::{Look, Survey, Tally};
-use crate::verdict::{MOST_PARAMETERS, Outcome, Verdict, Witness};
+use crate::verdict::{Ledger, MOST_PARAMETERS, Outcome, Verdict, Witness};
 
 /// Directions that a diagnosis of counts rests on.
 const SETTINGS: usize = 5;
@@ -25,39 +25,54 @@ const MEMBERS: usize = 24;
 /// Simple values of a parameter that are tried.
 const VALUES: usize = 10;
 
-/// The smallest case of a statistical violation: the first of the plan's directions, from normal incidence
-/// on, and the fewest samples, a power of two, that fail with each of ten independent seeds.
+/// Polar angles of directions \[deg\] at which a smallest case is looked for, and azimuths of `wi`; those of `wo` are 0.
+const SIMPLE_POLAR_DEG: [f64; 4] = [0.0, 30.0, 60.0, 80.0];
+const SIMPLE_AZIMUTH_DEG: [f64; 3] = [180.0, 90.0, 0.0];
+/// Uniforms of a sample there.
+const SIMPLE_UNIFORMS: [f64; 3] = [0.5, 0.25, 0.75];
+
+/// The smallest case that still fails.
 ///
-/// For one of a family, the simplest member that fails no later and with no more samples, if one does: that whose
-/// parameters are all the same simple number, or else the simplest numbers; 1 is the simplest, then 0.5, 2, 0.2, 5, ...
+/// Of a statistical violation: the first of the plan's directions, from normal incidence on, and the fewest samples, a
+/// power of two, that fail with each of ten independent seeds. Of a check at one place: directions and uniforms of few
+/// digits at which the same check fails.
+///
+/// For one of a family it is about the simplest member that fails, of a statistical violation no later and with no more
+/// samples than the specimen itself: first those whose parameters are all the same simple number, then others. 1 is the
+/// simplest number, then 0.5, 2, 0.2, 5, ...
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Smallest {
     /// The parameters of the member of a family; none for the specimen as it is.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parameters: Vec<(String, f64)>,
-    /// The direction, and what is carried.
+    /// The direction or the place, and what is carried.
     pub witness: Witness,
-    /// Random samples.
+    /// Random samples; 0 where nothing is a matter of chance.
     pub samples: usize,
 }
 
 impl fmt::Display for Smallest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("  smallest case: ")?;
-        for (name, value) in &self.parameters {
-            write!(f, "{name} = {value}, ")?;
-        }
-        if let Some([x, y, z]) = self.witness.wo {
+        let Witness { wo, wi, uniforms, transport, .. } = self.witness;
+        let mut parts: Vec<String> =
+            self.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+        // The direction of a sample follows from its uniforms.
+        for (name, w) in [("o", wo), ("i", wi.filter(|_| uniforms.is_none()))] {
+            let Some([x, y, z]) = w else { continue };
             let degrees = |radians: f64| (1000.0 * radians.to_degrees()).round() / 1000.0 + 0.0;
-            write!(f, "θo {}°, ", degrees(libm::atan2(libm::hypot(x, y), z)))?;
-            if x != 0.0 || y != 0.0 {
-                write!(f, "φo {}°, ", degrees(libm::atan2(y, x)))?;
+            let polar = libm::atan2(libm::hypot(x, y), z);
+            parts.push(format!("θ{name} {}°", degrees(polar)));
+            if degrees(libm::sin(polar)) != 0.0 {
+                parts.push(format!("φ{name} {}°", degrees(libm::atan2(y, x))));
             }
         }
-        if let Some(transport) = self.witness.transport {
-            write!(f, "{transport:?}, ")?;
+        parts.extend(uniforms.map(|[c, u, v]| format!("uniforms {c} {u} {v}")));
+        parts
+            .extend(transport.filter(|&mode| mode == Transport::Importance).map(|_| "importance".to_owned()));
+        if self.samples > 0 {
+            parts.push(format!("{} samples ({SEEDS} of {SEEDS} seeds fail)", self.samples));
         }
-        write!(f, "{} samples ({SEEDS} of {SEEDS} seeds fail)", self.samples)
+        write!(f, "  smallest case: {}", parts.join(", "))
     }
 }
 
@@ -98,8 +113,9 @@ impl Examination<'_> {
                 let diagnosis = self.weights(&verdict).or_else(|| self.counts(&verdict).1);
                 (None, diagnosis, self.smallest(verdict.suite))
             }
-            Suite::Weight => (None, self.weights(&verdict), None),
-            Suite::Reciprocal => (None, self.exchange(), None),
+            Suite::Weight => (None, self.weights(&verdict), self.simplest(&verdict)),
+            Suite::Reciprocal => (None, self.exchange(), self.simplest(&verdict)),
+            Suite::Finite => (None, None, self.simplest(&verdict)),
             _ => (None, None, None),
         };
         if let Ok(explanation) = catch_unwind(AssertUnwindSafe(explanation)) {
@@ -173,29 +189,88 @@ impl Examination<'_> {
             let samples = self.fewest(suite, surveyed, self.plan.samples)?;
             Some(Smallest { parameters: Vec::new(), witness: surveyed.setting.witness(), samples })
         })?;
-        let Some(family) = self.specimen.family() else { return Some(here) };
-        let smaller = simple_members(family.parameters()).into_iter().find_map(|values| {
+        self.simple_member(suite, |member| member.no_larger(suite, &here)).or(Some(here))
+    }
+
+    /// The smallest case of a violation that needs no samples.
+    fn simplest(&self, verdict: &Verdict) -> Option<Smallest> {
+        let member = self.simple_member(verdict.suite, |member| member.simple_place(verdict));
+        member.or_else(|| self.simple_place(verdict))
+    }
+
+    /// The smallest case of the first simple member of the family that has one.
+    fn simple_member(
+        &self,
+        suite: Suite,
+        case: impl Fn(&Examination<'_>) -> Option<Smallest>,
+    ) -> Option<Smallest> {
+        let family = self.specimen.family()?;
+        simple_members(family.parameters()).into_iter().find_map(|values| {
             let member = || {
                 let member = family.at(&values)?;
+                let member = Examination::named(self.name.clone(), &*member, self.plan);
+                let is_meant = member.claims.waivers.iter().all(|waiver| waiver.suite != suite);
+                let case = (is_meant && suite.applies(&member.claims)).then(|| case(&member))??;
                 let names = family.parameters().iter().map(|parameter| parameter.name.to_owned());
-                let parameters = names.zip(values.iter().copied()).collect();
-                Some(Smallest { parameters, ..self.no_larger(&*member, suite, &here)? })
+                Some(Smallest { parameters: names.zip(values.iter().copied()).collect(), ..case })
             };
             // One that panics is no smaller case of this.
             catch_unwind(AssertUnwindSafe(member)).ok().flatten()
-        });
-        smaller.or(Some(here))
+        })
+    }
+
+    /// The first simple place at which the check of a verdict fails: a pair of directions if there is one, else a sample.
+    fn simple_place(&self, verdict: &Verdict) -> Option<Smallest> {
+        let towards = |polar_deg: f64, azimuth_deg: f64, is_above: bool| {
+            let [x, y, z] = direction(polar_deg, azimuth_deg.to_radians());
+            [x, y, if is_above { z } else { -z }].map(|x| self.claims.precision.round(x))
+        };
+        let settings: Vec<Setting> = sides(&self.claims)
+            .iter()
+            .flat_map(|&is_above| SIMPLE_POLAR_DEG.map(|polar_deg| towards(polar_deg, 0.0, is_above)))
+            .flat_map(|wo| {
+                [Transport::Radiance, Transport::Importance].map(|transport| Setting {
+                    wo,
+                    transport,
+                    is_counted: false,
+                })
+            })
+            .collect();
+        let fails = |check: &dyn Fn(&mut Ledger)| {
+            let mut ledger = Ledger::default();
+            check(&mut ledger);
+            let violation = ledger.violation().filter(|check| verdict.what.ends_with(check.what));
+            violation.map(|check| check.witness)
+        };
+        let wi: Vec<Direction> = [true, false]
+            .into_iter()
+            .flat_map(|is_above| SIMPLE_POLAR_DEG.map(|polar_deg| (is_above, polar_deg)))
+            .flat_map(|(is_above, polar_deg)| {
+                SIMPLE_AZIMUTH_DEG.map(|azimuth_deg| towards(polar_deg, azimuth_deg, is_above))
+            })
+            .collect();
+        let of_pair = |setting: &Setting| {
+            wi.iter().find_map(|&wi| {
+                fails(&|ledger: &mut Ledger| verdict.suite.check_pair(self, ledger, setting, wi))
+            })
+        };
+        let of_sample = |setting: &Setting| {
+            (0..27).find_map(|i: usize| {
+                let uniforms = [i, i / 3, i / 9].map(|i| SIMPLE_UNIFORMS[i % 3]);
+                fails(&|ledger: &mut Ledger| verdict.suite.check_sample(self, ledger, setting, uniforms))
+            })
+        };
+        let witness = settings.iter().find_map(of_pair).or_else(|| settings.iter().find_map(of_sample))?;
+        Some(Smallest { parameters: Vec::new(), witness, samples: 0 })
     }
 
     /// The smallest case of a member of the family that is no larger than another one.
-    fn no_larger(&self, member: &dyn Specimen, suite: Suite, other: &Smallest) -> Option<Smallest> {
-        let member = Examination::named(self.name.clone(), member, self.plan);
+    fn no_larger(&self, suite: Suite, other: &Smallest) -> Option<Smallest> {
         let [.., cosine] = other.witness.wo?;
-        let settings = member.settings().into_iter();
         // At the same angle but for rounding.
         let no_later = |setting: &Setting| setting.is_counted && setting.wo[2].abs() > cosine.abs() - 1e-9;
-        settings.filter(no_later).find_map(|setting| {
-            let samples = member.fewest(suite, &member.look(setting, Look::FIRST), other.samples)?;
+        self.settings().into_iter().filter(no_later).find_map(|setting| {
+            let samples = self.fewest(suite, &self.look(setting, Look::FIRST), other.samples)?;
             Some(Smallest { parameters: Vec::new(), witness: setting.witness(), samples })
         })
     }

@@ -62,6 +62,43 @@ macro_rules! suites {
     };
 }
 
+impl Suite {
+    /// The checks of one pair of directions, in suites that have such.
+    pub(crate) fn check_pair(
+        self,
+        examination: &Examination<'_>,
+        ledger: &mut Ledger,
+        setting: &Setting,
+        wi: Direction,
+    ) {
+        match self {
+            Self::Finite => {
+                _ = finite::check_values(examination, ledger, [setting.wo, wi], setting.transport)
+            }
+            Self::Reciprocal => reciprocal::compare(examination, ledger, setting.wo, wi),
+            _ => {}
+        }
+    }
+
+    /// The checks of one sample, in suites that have such.
+    pub(crate) fn check_sample(
+        self,
+        examination: &Examination<'_>,
+        ledger: &mut Ledger,
+        setting: &Setting,
+        uniforms: [f64; 3],
+    ) {
+        let (wo, transport) = (setting.wo, setting.transport);
+        let Some(scatter) = examination.specimen.sample(wo, uniforms, transport) else { return };
+        match self {
+            Self::Finite => _ = finite::check_sample(examination, ledger, wo, uniforms, transport),
+            Self::Weight => weight::compare(examination, ledger, setting, uniforms, &scatter),
+            Self::Reciprocal => reciprocal::compare_sample(examination, ledger, setting, uniforms, &scatter),
+            _ => {}
+        }
+    }
+}
+
 fn always(_: &Claims) -> bool {
     true
 }

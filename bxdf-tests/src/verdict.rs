@@ -223,6 +223,11 @@ impl Ledger {
         self.violations > 0
     }
 
+    /// The most telling check, if it contradicts the claim.
+    pub(crate) fn violation(&self) -> Option<&Check> {
+        self.worst.as_ref().filter(|worst| !worst.holds())
+    }
+
     /// Takes over the checks that another ledger holds about the specimen with these parameters.
     pub(crate) fn absorb(&mut self, other: Self, parameters: Parameters) {
         let named = |mut check: Check| {

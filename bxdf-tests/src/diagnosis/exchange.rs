@@ -3,7 +3,9 @@
 //! f of importance is compared with f of radiance on the way back, which reciprocity makes the same, and on the same
 //! way, where it is η² of it; deltas by their power. Logarithms of both ratios are fitted together, point by point.
 
-use super::{Diagnosis, EXPLAINED_EXACTLY, LEAST_COSINE, LEAST_RATIO, Pair, Roughness, constant, points, rounded};
+use super::{
+    Diagnosis, EXPLAINED_EXACTLY, LEAST_COSINE, LEAST_RATIO, Pair, Roughness, constant, points, rounded,
+};
 use crate::deltas::{Deltas, distance};
 use crate::plan::Setting;
 use crate::specimen::{Direction, Transport};
@@ -85,7 +87,7 @@ impl Bug {
                 [
                     format!("masking of {other} is missing in {place}, or that of {one} is once too often"),
                     back.to_owned(),
-                    format!("G1({one}) / G1({other}) of α = {}", rounded(alpha)),
+                    format!("G1({one}) / G1({other}), α = {},", rounded(alpha)),
                 ]
             }
             Self::Coat(n, eta) => {
@@ -96,14 +98,14 @@ impl Bug {
                          that along {one} is once too often"
                     ),
                     back.to_owned(),
-                    format!("T({one}) / T({other}) into a coat of index {}", rounded(eta)),
+                    format!("T({one}) / T({other}), T into a coat of index {},", rounded(eta)),
                 ]
             }
             Self::Squared(radiance, importance) => {
                 let wrong = match (radiance, importance) {
                     (0, 0) => "is missing for radiance",
                     (-1, 0) => "is inverted for radiance",
-                    (0, _) => "is that of the other transport mode",
+                    (0, _) => "is in the wrong transport mode",
                     (1, _) => "is applied to both transport modes",
                     _ => "is once too often for radiance",
                 };
