@@ -237,10 +237,9 @@ impl Examination<'_> {
             })
             .collect();
         let fails = |check: &dyn Fn(&mut Ledger)| {
-            let mut ledger = Ledger::default();
+            let mut ledger = Ledger::about(verdict);
             check(&mut ledger);
-            let violation = ledger.violation().filter(|check| verdict.what.ends_with(check.what));
-            violation.map(|check| check.witness)
+            ledger.violation().map(|check| check.witness)
         };
         let wi: Vec<Direction> = [true, false]
             .into_iter()
@@ -357,4 +356,32 @@ pub(crate) fn of_others(verdict: &Verdict, verdicts: &[Verdict]) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::specimen::Scale;
+
+    #[test]
+    fn members_are_tried_from_the_simplest_on() {
+        let parameter = |low, high, scale| Parameter { name: "", low, high, scale };
+        let alpha = parameter(0.05, 1.0, Scale::Logarithmic);
+        let eta = parameter(0.4, 2.5, Scale::Logarithmic);
+        let members = simple_members(&[alpha, eta]);
+        let first = [[1.0, 1.0], [0.5, 0.5], [1.0, 0.5], [0.5, 1.0], [1.0, 2.0], [0.2, 1.0], [0.5, 2.0]];
+        assert_eq!(members[..7], first.map(Vec::from));
+        assert_eq!(members.len(), 15);
+        let values: Vec<f64> = parameter(-0.5, 0.3, Scale::Linear).simple().collect();
+        assert_eq!(
+            values,
+            [
+                0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0, -0.5, -0.2, -0.1, -0.05, -0.02, -0.01,
+                -0.005, -0.002, -0.001
+            ]
+        );
+        assert_eq!(simple_members(&[alpha; MOST_PARAMETERS]).len(), MEMBERS);
+        // Nothing simple lies in the range.
+        assert!(simple_members(&[alpha, parameter(0.31, 0.39, Scale::Linear)]).is_empty());
+    }
 }

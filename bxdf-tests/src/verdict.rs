@@ -183,10 +183,20 @@ pub(crate) struct Ledger {
     detectable: Vec<Detectable<&'static str>>,
     worst: Option<Check>,
     inconclusive: Option<Check>,
+    /// If given, only checks that it ends with are recorded.
+    about: Option<String>,
 }
 
 impl Ledger {
+    /// A ledger for the check that a verdict is about.
+    pub(crate) fn about(verdict: &Verdict) -> Self {
+        Self { about: Some(verdict.what.clone()), ..Self::default() }
+    }
+
     pub(crate) fn record(&mut self, check: Check) {
+        if self.about.as_ref().is_some_and(|about| !about.ends_with(check.what)) {
+            return;
+        }
         self.checks += 1;
         self.samples += check.samples;
         self.violations += u64::from(!check.holds());
