@@ -116,7 +116,7 @@ fn parameters_shrink_to_the_simplest_that_still_fail() {
         (|values| (values == OWN).then_some(Bug::Pdf(1.5)), vec![]),
         (|[a, b]| if a == 1.0 && b == 1.0 { Some(Bug::Panic) } else { Some(Bug::Pdf(1.5)) }, vec![0.5, 0.5]),
         // A bug that takes more samples is no smaller case.
-        (|[a, _]| Some(Bug::Pdf(if a > 0.4 { 1.05 } else { 1.5 })), vec![0.2, 0.2]),
+        (|[a, _]| Some(Bug::Pdf(if a > 0.4 { 1.2 } else { 1.5 })), vec![0.2, 0.2]),
     ] {
         let smallest = smallest(bug, Suite::ChiSquare);
         assert_eq!(values(&smallest), expected, "{smallest}");
