@@ -98,7 +98,8 @@ fn verdict(bug: fn([f64; 2]) -> Option<Bug>, suite: Suite) -> Verdict {
 
 fn smallest(bug: fn([f64; 2]) -> Option<Bug>, suite: Suite) -> Smallest {
     let verdict = verdict(bug, suite);
-    verdict.smallest.clone().unwrap_or_else(|| panic!("no smallest case: {verdict}"))
+    assert!(verdict.smallest.is_some(), "{verdict}");
+    verdict.smallest.unwrap()
 }
 
 fn values(smallest: &Smallest) -> Vec<f64> {

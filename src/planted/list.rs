@@ -1,6 +1,6 @@
 //! The list: a name, the suite that must find it and what its most telling check is about, the correct specimen, the
-//! bug. Behind `needs` stand the samples per direction that it takes, where that is more than the default; `in its family` stands where the bug is the same whatever the
-//! parameters of the specimen.
+//! bug. Behind `needs` stand the samples per direction that it takes, where that is more than the default; `in its
+//! family` stands where the bug is the same whatever the parameters of the specimen.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
