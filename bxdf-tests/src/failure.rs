@@ -25,7 +25,8 @@ const MEMBERS: usize = 24;
 /// Simple values of a parameter that are tried.
 const VALUES: usize = 10;
 
-/// Polar angles of directions \[deg\] at which a smallest case is looked for, and azimuths of `wi`; those of `wo` are 0.
+/// Polar angles of directions \[deg\] at which a smallest case is looked for, and azimuths of `wi`; those of
+/// `wo` are 0.
 const SIMPLE_POLAR_DEG: [f64; 4] = [0.0, 30.0, 60.0, 80.0];
 const SIMPLE_AZIMUTH_DEG: [f64; 3] = [180.0, 90.0, 0.0];
 /// Uniforms of a sample there.
@@ -33,13 +34,13 @@ const SIMPLE_UNIFORMS: [f64; 3] = [0.5, 0.25, 0.75];
 
 /// The smallest case that still fails.
 ///
-/// Of a statistical violation: the first of the plan's directions, from normal incidence on, and the fewest samples, a
-/// power of two, that fail with each of ten independent seeds. Of a check at one place: directions and uniforms of few
-/// digits at which the same check fails.
+/// Of a statistical violation: the first of the plan's directions, from normal incidence on, and the fewest
+/// samples, a power of two, that fail with each of ten independent seeds. Of a check at one place: directions
+/// and uniforms of few digits at which the same check fails.
 ///
-/// For one of a family it is about the simplest member that fails, of a statistical violation no later and with no more
-/// samples than the specimen itself: first those whose parameters are all the same simple number, then others. 1 is the
-/// simplest number, then 0.5, 2, 0.2, 5, ...
+/// For one of a family it is about the simplest member that fails, of a statistical violation no later and
+/// with no more samples than the specimen itself: first those whose parameters are all the same simple
+/// number, then others. 1 is the simplest number, then 0.5, 2, 0.2, 5, ...
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Smallest {
     /// The parameters of the member of a family; none for the specimen as it is.
@@ -76,8 +77,8 @@ impl fmt::Display for Smallest {
     }
 }
 
-/// The members of a family with simple parameters: first those where all are the same, then the others, each in the
-/// order of its simplicity.
+/// The members of a family with simple parameters: first those where all are the same, then the others, each
+/// in the order of its simplicity.
 fn simple_members(parameters: &[Parameter]) -> Vec<Vec<f64>> {
     let mut members = vec![(0, Vec::new())];
     for parameter in parameters.iter().take(MOST_PARAMETERS) {
@@ -219,7 +220,8 @@ impl Examination<'_> {
         })
     }
 
-    /// The first simple place at which the check of a verdict fails: a pair of directions if there is one, else a sample.
+    /// The first simple place at which the check of a verdict fails: a pair of directions if there is one,
+    /// else a sample.
     fn simple_place(&self, verdict: &Verdict) -> Option<Smallest> {
         let towards = |polar_deg: f64, azimuth_deg: f64, is_above: bool| {
             let [x, y, z] = direction(polar_deg, azimuth_deg.to_radians());

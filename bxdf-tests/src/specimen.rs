@@ -146,8 +146,8 @@ impl Parameter {
         }
     }
 
-    /// Simple values in the range: 1, then 2 and 5 times powers of ten, the further from 1 on a logarithmic scale the
-    /// later; on a linear one 0 and negative values follow.
+    /// Simple values in the range: 1, then 2 and 5 times powers of ten, the further from 1 on a logarithmic
+    /// scale the later; on a linear one 0 and negative values follow.
     pub(crate) fn simple(&self) -> impl Iterator<Item = f64> {
         const SIMPLE: [f64; 19] = [
             1.0, 0.5, 2.0, 0.2, 5.0, 0.1, 10.0, 0.05, 20.0, 0.02, 50.0, 0.01, 100.0, 0.005, 200.0, 0.002,

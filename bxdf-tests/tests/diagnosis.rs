@@ -493,8 +493,8 @@ const EXCHANGES: &[(&str, Option<&str>)] = &[
     (
         "coat_is_crossed_once",
         Some(
-            "the base of a coat is not symmetric: the transmittance along wi is missing in eval(), or that along wo is \
-             once too often",
+            "the base of a coat is not symmetric: the transmittance along wi is missing in eval(), \
+             or that along wo is once too often",
         ),
     ),
     ("absorption_along_the_outer_direction", None),
@@ -600,15 +600,15 @@ fn cosines_masking_and_coats_of_one_direction_are_named() {
         (
             |rough, wo, wi| rough.f(wo, wi) * transmittance(wo[2]),
             Some(
-                "the base of a coat is not symmetric: the transmittance along wi is missing in eval(), or that along wo is \
-                 once too often",
+                "the base of a coat is not symmetric: the transmittance along wi is missing in eval(), \
+                 or that along wo is once too often",
             ),
         ),
         (
             |rough, wo, wi| rough.f(wo, wi) * transmittance(wi[2]),
             Some(
-                "the base of a coat is not symmetric: the transmittance along wo is missing in eval(), or that along wi is \
-                 once too often",
+                "the base of a coat is not symmetric: the transmittance along wo is missing in eval(), \
+                 or that along wi is once too often",
             ),
         ),
         (|rough, wo, wi| rough.f(wo, wi) * (1.0 + 0.5 * wo[0]), None),

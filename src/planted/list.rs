@@ -1,6 +1,6 @@
-//! The list: a name, the suite that must find it and what its most telling check is about, the correct specimen, the
-//! bug. Behind `needs` stand the samples per direction that it takes, where that is more than the default; `in its
-//! family` stands where the bug is the same whatever the parameters of the specimen.
+//! The list: a name, the suite that must find it and what its most telling check is about, the correct
+//! specimen, the bug. Behind `needs` stand the samples per direction that it takes, where that is more than
+//! the default; `in its family` stands where the bug is the same whatever the parameters of the specimen.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
@@ -21,7 +21,8 @@ use super::{Finder, PlantedBug};
 use crate::fresnel::{Polarized, conductor, conductor_thesis, dielectric, schlick};
 
 macro_rules! bugs {
-    ($($name:ident: $suite:ident, $what:literal, $specimen:ident, [$($bug:expr),+ $(,)?] $(, needs $samples:expr)? $(, in its $family:ident)?;)+) => {
+    ($($name:ident: $suite:ident, $what:literal, $specimen:ident, [$($bug:expr),+ $(,)?]
+        $(, needs $samples:expr)? $(, in its $family:ident)?;)+) => {
         pub(super) const BUGS: &[PlantedBug] = &[$(PlantedBug {
             name: stringify!($name),
             finder: finder!($suite, $what),
@@ -279,7 +280,8 @@ bugs! {
             weighted(scatter, |weight| if is_inside(scatter.wi) { f64::NAN } else { weight })
         })];
     direction_is_not_of_unit_length: Finite, "length of a sampled direction", rough_mirror,
-        [Bug::Scatter(|scatter, _, _| Scatter { wi: scatter.wi.map(|x| x * (1.0 + 1e-12)), ..scatter })], in its family;
+        [Bug::Scatter(|scatter, _, _| Scatter { wi: scatter.wi.map(|x| x * (1.0 + 1e-12)), ..scatter })],
+        in its family;
     sample_leaves_on_the_other_side: Finite, "on the other side", white_paper,
         [Bug::Scatter(|scatter, _, _| Scatter { wi: scatter.wi.map(|x| -x), ..scatter })];
     // χ⁺(a) = 1 for a ≥ 0, equation 15: at the horizon the norm is 0 and so is what is above it.

@@ -1,7 +1,9 @@
-//! Why `wo` and `wi` cannot be exchanged: bugs that are symmetric in neither the directions nor the transport modes.
+//! Why `wo` and `wi` cannot be exchanged: bugs that are symmetric in neither the directions nor the transport
+//! modes.
 //!
-//! f of importance is compared with f of radiance on the way back, which reciprocity makes the same, and on the same
-//! way, where it is η² of it; deltas by their power. Logarithms of both ratios are fitted together, point by point.
+//! f of importance is compared with f of radiance on the way back, which reciprocity makes the same, and on
+//! the same way, where it is η² of it; deltas by their power. Logarithms of both ratios are fitted together,
+//! point by point.
 
 use super::{
     Diagnosis, EXPLAINED_EXACTLY, LEAST_COSINE, LEAST_RATIO, Pair, Roughness, constant, points, rounded,
@@ -94,8 +96,8 @@ impl Bug {
                 let [one, other] = names(n);
                 [
                     format!(
-                        "the base of a coat is not symmetric: the transmittance along {other} is missing in {place}, or \
-                         that along {one} is once too often"
+                        "the base of a coat is not symmetric: the transmittance along {other} is missing in \
+                         {place}, or that along {one} is once too often"
                     ),
                     back.to_owned(),
                     format!("T({one}) / T({other}), T into a coat of index {},", rounded(eta)),
