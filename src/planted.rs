@@ -37,6 +37,7 @@ pub struct PlantedBug {
     pub samples: usize,
     specimen: fn() -> Result<Box<dyn Specimen>, CatalogueError>,
     bugs: &'static [Bug],
+    in_family: bool,
 }
 
 impl PlantedBug {
@@ -48,7 +49,8 @@ impl PlantedBug {
     /// # Errors
     /// Never for the parameters listed; the constructors' errors are passed on rather than unwrapped.
     pub fn mutant(&self) -> Result<Box<dyn Specimen>, CatalogueError> {
-        Ok(Box::new(Mutant::new(format!("planted/{}", self.name), (self.specimen)()?, self.bugs)))
+        let name = format!("planted/{}", self.name);
+        Ok(Box::new(Mutant::new(name, (self.specimen)()?, self.bugs, self.in_family)))
     }
 
     /// The correct twin.
@@ -59,7 +61,7 @@ impl PlantedBug {
         let specimen = (self.specimen)()?;
         let name = specimen.name();
         let name = name.split('/').next().unwrap_or_default();
-        Ok(Box::new(Mutant::new(format!("twin/{name}"), specimen, &[])))
+        Ok(Box::new(Mutant::new(format!("twin/{name}"), specimen, &[], true)))
     }
 
     /// Whether the verdict is the one for which the bug was planted.

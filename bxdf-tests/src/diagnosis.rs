@@ -5,6 +5,7 @@
 //! point by point. A bug is named where it explains enough of the sum of squares, less what noise adds to it;
 //! otherwise nothing is named. All of it rests on the three calls of a specimen and on nothing else.
 
+mod exchange;
 mod shape;
 
 use core::fmt;
@@ -14,6 +15,7 @@ use crate::residual::{Evidence, Row};
 use crate::specimen::{Measure, Transport};
 use crate::suite::Examination;
 use crate::survey::draw;
+pub(crate) use exchange::of_exchange;
 pub(crate) use shape::{Pair, Roughness, SHAPES};
 use shape::{Power, Shape, constant, exchanged, rounded};
 

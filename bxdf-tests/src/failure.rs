@@ -3,13 +3,13 @@
 use core::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::diagnosis::{Diagnosis, of_counts, of_weights, roughness};
-use crate::plan::{Plan, Setting};
+use crate::diagnosis::{Diagnosis, of_counts, of_exchange, of_weights, roughness};
+use crate::plan::{Plan, Setting, direction, sides};
 use crate::residual::{Residual, gather};
-use crate::specimen::Transport;
+use crate::specimen::{Direction, Parameter, Transport};
 use crate::suite::{Examination, Suite, Surveyed};
 use crate::survey::Look;
-use crate::verdict::{Outcome, Verdict, Witness};
+use crate::verdict::{Ledger, MOST_PARAMETERS, Outcome, Verdict, Witness};
 
 /// Directions that a diagnosis of counts rests on.
 const SETTINGS: usize = 5;
@@ -20,24 +20,77 @@ const SEEDS: u64 = 10;
 /// The smallest number of samples that is tried.
 const FEWEST: usize = 64;
 
-/// The smallest case of a statistical violation: the first of the plan's directions, from normal incidence
-/// on, and the fewest samples, a power of two, that fail with each of ten independent seeds.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+/// Members of a family that are tried.
+const MEMBERS: usize = 24;
+/// Simple values of a parameter that are tried.
+const VALUES: usize = 10;
+
+/// Polar angles of directions \[deg\] at which a smallest case is looked for, and azimuths of `wi`; those of
+/// `wo` are 0.
+const SIMPLE_POLAR_DEG: [f64; 4] = [0.0, 30.0, 60.0, 80.0];
+const SIMPLE_AZIMUTH_DEG: [f64; 3] = [180.0, 90.0, 0.0];
+/// Uniforms of a sample there.
+const SIMPLE_UNIFORMS: [f64; 3] = [0.5, 0.25, 0.75];
+
+/// The smallest case that still fails.
+///
+/// Of a statistical violation: the first of the plan's directions, from normal incidence on, and the fewest
+/// samples, a power of two, that fail with each of ten independent seeds. Of a check at one place: directions
+/// and uniforms of few digits at which the same check fails.
+///
+/// For one of a family it is about the simplest member that fails, of a statistical violation no later and
+/// with no more samples than the specimen itself: first those whose parameters are all the same simple
+/// number, then others. 1 is the simplest number, then 0.5, 2, 0.2, 5, ...
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Smallest {
-    /// The direction, and what is carried.
+    /// The parameters of the member of a family; none for the specimen as it is.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameters: Vec<(String, f64)>,
+    /// The direction or the place, and what is carried.
     pub witness: Witness,
-    /// Random samples.
+    /// Random samples; 0 where nothing is a matter of chance.
     pub samples: usize,
 }
 
 impl fmt::Display for Smallest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "  smallest case: {} samples, {SEEDS} of {SEEDS} seeds fail", self.samples)?;
-        match self.witness.wo {
-            Some([x, y, z]) => write!(f, ", at wo ({x:e}, {y:e}, {z:e})"),
-            None => Ok(()),
+        let Witness { wo, wi, uniforms, transport, .. } = self.witness;
+        let mut parts: Vec<String> =
+            self.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+        // The direction of a sample follows from its uniforms.
+        for (name, w) in [("o", wo), ("i", wi.filter(|_| uniforms.is_none()))] {
+            let Some([x, y, z]) = w else { continue };
+            let degrees = |radians: f64| (1000.0 * radians.to_degrees()).round() / 1000.0 + 0.0;
+            let polar = libm::atan2(libm::hypot(x, y), z);
+            parts.push(format!("θ{name} {}°", degrees(polar)));
+            if degrees(libm::sin(polar)) != 0.0 {
+                parts.push(format!("φ{name} {}°", degrees(libm::atan2(y, x))));
+            }
         }
+        parts.extend(uniforms.map(|[c, u, v]| format!("uniforms {c} {u} {v}")));
+        parts
+            .extend(transport.filter(|&mode| mode == Transport::Importance).map(|_| "importance".to_owned()));
+        if self.samples > 0 {
+            parts.push(format!("{} samples ({SEEDS} of {SEEDS} seeds fail)", self.samples));
+        }
+        write!(f, "  smallest case: {}", parts.join(", "))
     }
+}
+
+/// The members of a family with simple parameters: first those where all are the same, then the others, each
+/// in the order of its simplicity.
+fn simple_members(parameters: &[Parameter]) -> Vec<Vec<f64>> {
+    let mut members = vec![(0, Vec::new())];
+    for parameter in parameters.iter().take(MOST_PARAMETERS) {
+        let values: Vec<f64> = parameter.simple().take(VALUES).collect();
+        let with = |(rank, member): &(usize, Vec<f64>)| {
+            let with = |(i, &value): (usize, &f64)| (rank + i, [&member[..], &[value]].concat());
+            values.iter().enumerate().map(with).collect::<Vec<_>>()
+        };
+        members = members.iter().flat_map(with).collect();
+    }
+    members.sort_by_key(|(rank, member)| (member.windows(2).any(|pair| pair[0] != pair[1]), *rank));
+    members.into_iter().map(|(_, member)| member).take(MEMBERS).collect()
 }
 
 impl Examination<'_> {
@@ -61,7 +114,9 @@ impl Examination<'_> {
                 let diagnosis = self.weights(&verdict).or_else(|| self.counts(&verdict).1);
                 (None, diagnosis, self.smallest(verdict.suite))
             }
-            Suite::Weight => (None, self.weights(&verdict), None),
+            Suite::Weight => (None, self.weights(&verdict), self.simplest(&verdict)),
+            Suite::Reciprocal => (None, self.exchange(), self.simplest(&verdict)),
+            Suite::Finite => (None, None, self.simplest(&verdict)),
             _ => (None, None, None),
         };
         if let Ok(explanation) = catch_unwind(AssertUnwindSafe(explanation)) {
@@ -122,28 +177,120 @@ impl Examination<'_> {
         of_weights(self, &settings, roughness, verdict.what.contains("reported density"))
     }
 
+    /// What explains that directions cannot be exchanged.
+    fn exchange(&self) -> Option<Diagnosis> {
+        let settings = self.settings().into_iter().filter(|setting| setting.transport == Transport::Radiance);
+        let settings: Vec<Setting> = settings.collect();
+        of_exchange(self, &settings, roughness(self, &settings))
+    }
+
     /// The smallest case of a violation of a statistical suite.
     fn smallest(&self, suite: Suite) -> Option<Smallest> {
-        let level = self.plan.ln_level();
-        let fails = |plan: &Plan, surveyed: &Surveyed, repetition: u64| {
-            // A delta too rare for the pilot samples is added as it is met.
-            let mut survey = surveyed.survey.clone();
-            let subject = (self.specimen, self.name.as_str());
-            let plan = plan.repetition(repetition);
-            let tally = survey.tally(subject, &self.claims, &plan, &surveyed.setting, Look::FIRST);
-            self.p_values(&survey, &tally).iter().any(|(of, p)| *of == suite && p.ln_p < level)
+        let here = self.surveys().iter().find_map(|surveyed| {
+            let samples = self.fewest(suite, surveyed, self.plan.samples)?;
+            Some(Smallest { parameters: Vec::new(), witness: surveyed.setting.witness(), samples })
+        })?;
+        self.simple_member(suite, |member| member.no_larger(suite, &here)).or(Some(here))
+    }
+
+    /// The smallest case of a violation that needs no samples.
+    fn simplest(&self, verdict: &Verdict) -> Option<Smallest> {
+        let member = self.simple_member(verdict.suite, |member| member.simple_place(verdict));
+        member.or_else(|| self.simple_place(verdict))
+    }
+
+    /// The smallest case of the first simple member of the family that has one.
+    fn simple_member(
+        &self,
+        suite: Suite,
+        case: impl Fn(&Examination<'_>) -> Option<Smallest>,
+    ) -> Option<Smallest> {
+        let family = self.specimen.family()?;
+        simple_members(family.parameters()).into_iter().find_map(|values| {
+            let member = || {
+                let member = family.at(&values)?;
+                let member = Examination::named(self.name.clone(), &*member, self.plan);
+                let is_meant = member.claims.waivers.iter().all(|waiver| waiver.suite != suite);
+                let case = (is_meant && suite.applies(&member.claims)).then(|| case(&member))??;
+                let names = family.parameters().iter().map(|parameter| parameter.name.to_owned());
+                Some(Smallest { parameters: names.zip(values.iter().copied()).collect(), ..case })
+            };
+            // One that panics is no smaller case of this.
+            catch_unwind(AssertUnwindSafe(member)).ok().flatten()
+        })
+    }
+
+    /// The first simple place at which the check of a verdict fails: a pair of directions if there is one,
+    /// else a sample.
+    fn simple_place(&self, verdict: &Verdict) -> Option<Smallest> {
+        let towards = |polar_deg: f64, azimuth_deg: f64, is_above: bool| {
+            let [x, y, z] = direction(polar_deg, azimuth_deg.to_radians());
+            [x, y, if is_above { z } else { -z }].map(|x| self.claims.precision.round(x))
         };
-        let violated = |surveyed: &&Surveyed| {
-            let p_values = surveyed.tally.as_ref().map(|tally| self.p_values(&surveyed.survey, tally));
+        let settings: Vec<Setting> = sides(&self.claims)
+            .iter()
+            .flat_map(|&is_above| SIMPLE_POLAR_DEG.map(|polar_deg| towards(polar_deg, 0.0, is_above)))
+            .flat_map(|wo| {
+                [Transport::Radiance, Transport::Importance].map(|transport| Setting {
+                    wo,
+                    transport,
+                    is_counted: false,
+                })
+            })
+            .collect();
+        let fails = |check: &dyn Fn(&mut Ledger)| {
+            let mut ledger = Ledger::about(verdict);
+            check(&mut ledger);
+            ledger.violation().map(|check| check.witness)
+        };
+        let wi: Vec<Direction> = [true, false]
+            .into_iter()
+            .flat_map(|is_above| SIMPLE_POLAR_DEG.map(|polar_deg| (is_above, polar_deg)))
+            .flat_map(|(is_above, polar_deg)| {
+                SIMPLE_AZIMUTH_DEG.map(|azimuth_deg| towards(polar_deg, azimuth_deg, is_above))
+            })
+            .collect();
+        let of_pair = |setting: &Setting| {
+            wi.iter().find_map(|&wi| {
+                fails(&|ledger: &mut Ledger| verdict.suite.check_pair(self, ledger, setting, wi))
+            })
+        };
+        let of_sample = |setting: &Setting| {
+            (0..27).find_map(|i: usize| {
+                let uniforms = [i, i / 3, i / 9].map(|i| SIMPLE_UNIFORMS[i % 3]);
+                fails(&|ledger: &mut Ledger| verdict.suite.check_sample(self, ledger, setting, uniforms))
+            })
+        };
+        let witness = settings.iter().find_map(of_pair).or_else(|| settings.iter().find_map(of_sample))?;
+        Some(Smallest { parameters: Vec::new(), witness, samples: 0 })
+    }
+
+    /// The smallest case of a member of the family that is no larger than another one.
+    fn no_larger(&self, suite: Suite, other: &Smallest) -> Option<Smallest> {
+        let [.., cosine] = other.witness.wo?;
+        // At the same angle but for rounding.
+        let no_later = |setting: &Setting| setting.is_counted && setting.wo[2].abs() > cosine.abs() - 1e-9;
+        self.settings().into_iter().filter(no_later).find_map(|setting| {
+            let samples = self.fewest(suite, &self.look(setting, Look::FIRST), other.samples)?;
+            Some(Smallest { parameters: Vec::new(), witness: setting.witness(), samples })
+        })
+    }
+
+    /// The fewest samples, `most` or less, with which a suite fails at a direction for each of the seeds.
+    fn fewest(&self, suite: Suite, surveyed: &Surveyed, most: usize) -> Option<usize> {
+        let level = self.plan.ln_level();
+        let fails = |Surveyed { survey, tally, .. }: &Surveyed| {
+            let p_values = tally.as_ref().map(|tally| self.p_values(survey, tally));
             p_values.into_iter().flatten().any(|(of, p)| of == suite && p.ln_p < level)
         };
-        let surveyed = self.surveys().iter().find(violated)?;
+        if !fails(surveyed) {
+            return None;
+        }
         let numbers = core::iter::successors(Some(FEWEST), |samples| Some(2 * samples));
-        let samples = numbers.take_while(|&samples| samples <= self.plan.samples).find(|&samples| {
+        numbers.take_while(|&samples| samples <= most).find(|&samples| {
             let plan = Plan { samples, ..self.plan.clone() };
-            (1..=SEEDS).all(|repetition| fails(&plan, surveyed, repetition))
-        })?;
-        Some(Smallest { witness: surveyed.setting.witness(), samples })
+            (1..=SEEDS).all(|seed| fails(&self.repeated(surveyed, &plan.repetition(seed))))
+        })
     }
 }
 
@@ -206,4 +353,32 @@ pub(crate) fn of_others(verdict: &Verdict, verdicts: &[Verdict]) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::specimen::Scale;
+
+    #[test]
+    fn members_are_tried_from_the_simplest_on() {
+        let parameter = |low, high, scale| Parameter { name: "", low, high, scale };
+        let alpha = parameter(0.05, 1.0, Scale::Logarithmic);
+        let eta = parameter(0.4, 2.5, Scale::Logarithmic);
+        let members = simple_members(&[alpha, eta]);
+        let first = [[1.0, 1.0], [0.5, 0.5], [1.0, 0.5], [0.5, 1.0], [1.0, 2.0], [0.2, 1.0], [0.5, 2.0]];
+        assert_eq!(members[..7], first.map(Vec::from));
+        assert_eq!(members.len(), 15);
+        let values: Vec<f64> = parameter(-0.5, 0.3, Scale::Linear).simple().collect();
+        assert_eq!(
+            values,
+            [
+                0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0, -0.5, -0.2, -0.1, -0.05, -0.02, -0.01,
+                -0.005, -0.002, -0.001
+            ]
+        );
+        assert_eq!(simple_members(&[alpha; MOST_PARAMETERS]).len(), MEMBERS);
+        // Nothing simple lies in the range.
+        assert!(simple_members(&[alpha, parameter(0.31, 0.39, Scale::Linear)]).is_empty());
+    }
 }

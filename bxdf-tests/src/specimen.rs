@@ -145,6 +145,18 @@ impl Parameter {
             Scale::Logarithmic => self.low * libm::pow(self.high / self.low, fraction),
         }
     }
+
+    /// Simple values in the range: 1, then 2 and 5 times powers of ten, the further from 1 on a logarithmic
+    /// scale the later; on a linear one 0 and negative values follow.
+    pub(crate) fn simple(&self) -> impl Iterator<Item = f64> {
+        const SIMPLE: [f64; 19] = [
+            1.0, 0.5, 2.0, 0.2, 5.0, 0.1, 10.0, 0.05, 20.0, 0.02, 50.0, 0.01, 100.0, 0.005, 200.0, 0.002,
+            500.0, 0.001, 1000.0,
+        ];
+        let others = [0.0].into_iter().chain(SIMPLE.map(|value| -value));
+        let others = others.filter(|_| self.scale == Scale::Linear);
+        SIMPLE.into_iter().chain(others).filter(|value| (self.low..=self.high).contains(value))
+    }
 }
 
 /// The terms of a microfacet model, as the specimen computes them, for any kind of masking.

@@ -19,6 +19,7 @@ use crate::plan::{Plan, Setting};
 use crate::specimen::{Direction, Scatter, Specimen};
 use crate::survey::{Look, Survey, Tally};
 use crate::verdict::{Check, Detectable, Ledger, Verdict, Witness};
+pub(crate) use fresnel::reference as fresnel_reference;
 
 macro_rules! suites {
     ($($variant:ident $module:ident: $statement:literal, if $applies:expr;)+) => {
@@ -59,6 +60,43 @@ macro_rules! suites {
             }
         }
     };
+}
+
+impl Suite {
+    /// The checks of one pair of directions, in suites that have such.
+    pub(crate) fn check_pair(
+        self,
+        examination: &Examination<'_>,
+        ledger: &mut Ledger,
+        setting: &Setting,
+        wi: Direction,
+    ) {
+        match self {
+            Self::Finite => {
+                _ = finite::check_values(examination, ledger, [setting.wo, wi], setting.transport)
+            }
+            Self::Reciprocal => reciprocal::compare(examination, ledger, setting.wo, wi),
+            _ => {}
+        }
+    }
+
+    /// The checks of one sample, in suites that have such.
+    pub(crate) fn check_sample(
+        self,
+        examination: &Examination<'_>,
+        ledger: &mut Ledger,
+        setting: &Setting,
+        uniforms: [f64; 3],
+    ) {
+        let (wo, transport) = (setting.wo, setting.transport);
+        let Some(scatter) = examination.specimen.sample(wo, uniforms, transport) else { return };
+        match self {
+            Self::Finite => _ = finite::check_sample(examination, ledger, wo, uniforms, transport),
+            Self::Weight => weight::compare(examination, ledger, setting, uniforms, &scatter),
+            Self::Reciprocal => reciprocal::compare_sample(examination, ledger, setting, uniforms, &scatter),
+            _ => {}
+        }
+    }
 }
 
 fn always(_: &Claims) -> bool {
@@ -115,15 +153,16 @@ pub struct PValue {
     pub wants_samples: bool,
 }
 
-impl PValue {
-    /// What is left of it where rounding decides, and neither the pdf nor the samples.
-    fn conclude_nothing(&mut self) {
+/// What p-values allow to conclude: nothing where rounding decides, and neither the pdf nor the samples.
+fn concluded(survey: &Survey, mut p_values: Vec<PValue>) -> Vec<PValue> {
+    let reason = "the lobe is narrower than the directions that its precision can tell apart";
+    for p_value in p_values.iter_mut().filter(|_| survey.is_coarse) {
         // NaN is not a matter of rounding.
-        self.ln_p = if self.ln_p.is_nan() { f64::NAN } else { 0.0 };
-        self.inconclusive =
-            Some("the lobe is narrower than the directions that its precision can tell apart");
-        (self.detectable, self.wants_samples) = (None, false);
+        p_value.ln_p = if p_value.ln_p.is_nan() { f64::NAN } else { 0.0 };
+        p_value.inconclusive = Some(reason);
+        (p_value.detectable, p_value.wants_samples) = (None, false);
     }
+    p_values
 }
 
 /// A direction at which samples are counted, and the p-values of all statistical checks there: what the laboratory's
@@ -144,7 +183,7 @@ impl Trial<'_> {
     /// stage of a verdict.
     pub fn p_values(&self, repetition: u64) -> Vec<(Suite, PValue)> {
         let plan = self.examination.plan.repetition(repetition);
-        let Surveyed { survey, tally, .. } = self.repeated(&plan);
+        let Surveyed { survey, tally, .. } = self.examination.repeated(self.surveyed, &plan);
         tally.map_or_else(Vec::new, |tally| self.examination.p_values(&survey, &tally))
     }
 
@@ -156,20 +195,10 @@ impl Trial<'_> {
         let (name, claims, surveys) = (name.clone(), claims.clone(), Arc::clone(surveys));
         let fresh = Examination { specimen: *specimen, name, claims, plan: &plan, surveys };
         let mut ledger = Ledger::default();
-        fresh.judge(&self.repeated(&plan), &mut ledger, |survey, tally| {
+        fresh.judge(&self.examination.repeated(self.surveyed, &plan), &mut ledger, |survey, tally| {
             fresh.p_values(survey, tally).into_iter().map(|(_, p_value)| p_value).collect()
         });
         ledger.is_violated()
-    }
-
-    /// The same cells with the samples of another plan.
-    fn repeated(&self, plan: &Plan) -> Surveyed {
-        let Self { examination: Examination { specimen, name, claims, .. }, surveyed } = *self;
-        let setting = surveyed.setting;
-        // A delta too rare for the pilot samples is added as it is met.
-        let mut survey = surveyed.survey.clone();
-        let tally = survey.tally((*specimen, name.as_str()), claims, plan, &setting, Look::FIRST);
-        Surveyed { setting, survey, tally: Some(tally), second: OnceLock::new() }
     }
 }
 
@@ -255,9 +284,9 @@ impl<'a> Examination<'a> {
     /// The p-values of every statistical check at one direction.
     pub(crate) fn p_values(&self, survey: &Survey, tally: &Tally) -> Vec<(Suite, PValue)> {
         let of = |suite: Suite, p_values: Vec<PValue>| p_values.into_iter().map(move |p| (suite, p));
-        of(Suite::Normalised, normalised::p_values(self, survey, tally))
-            .chain(of(Suite::ChiSquare, chi_square::p_values(self, survey, tally)))
-            .chain(of(Suite::Energy, energy::p_values(self, survey, tally)))
+        of(Suite::Normalised, concluded(survey, normalised::p_values(self, survey, tally)))
+            .chain(of(Suite::ChiSquare, concluded(survey, chi_square::p_values(self, survey, tally))))
+            .chain(of(Suite::Energy, concluded(survey, energy::p_values(self, survey, tally))))
             .collect()
     }
 
@@ -297,12 +326,22 @@ impl<'a> Examination<'a> {
         })
     }
 
-    fn look(&self, setting: Setting, look: Look) -> Surveyed {
+    pub(crate) fn look(&self, setting: Setting, look: Look) -> Surveyed {
         let subject = (self.specimen, self.name.as_str());
         let mut survey = Survey::new(subject, &self.claims, self.plan, &setting, look);
         let tally =
             setting.is_counted.then(|| survey.tally(subject, &self.claims, self.plan, &setting, look));
         Surveyed { setting, survey, tally, second: OnceLock::new() }
+    }
+
+    /// The same cells with the samples of another plan.
+    pub(crate) fn repeated(&self, surveyed: &Surveyed, plan: &Plan) -> Surveyed {
+        let setting = surveyed.setting;
+        // A delta too rare for the pilot samples is added as it is met.
+        let mut survey = surveyed.survey.clone();
+        let subject = (self.specimen, self.name.as_str());
+        let tally = survey.tally(subject, &self.claims, plan, &setting, Look::FIRST);
+        Surveyed { setting, survey, tally: Some(tally), second: OnceLock::new() }
     }
 
     fn second<'s>(&self, surveyed: &'s Surveyed) -> &'s Surveyed {
@@ -338,11 +377,8 @@ impl<'a> Examination<'a> {
         let level = self.plan.ln_level();
         let p_values = |surveyed: &Surveyed| {
             let survey = &surveyed.survey;
-            let mut found = surveyed.tally.as_ref().map_or_else(Vec::new, |tally| p_values(survey, tally));
-            if survey.is_coarse {
-                found.iter_mut().for_each(PValue::conclude_nothing);
-            }
-            found
+            let found = surveyed.tally.as_ref().map_or_else(Vec::new, |tally| p_values(survey, tally));
+            concluded(survey, found)
         };
         let first = p_values(surveyed);
         // NaN is not a matter of chance.

@@ -183,10 +183,20 @@ pub(crate) struct Ledger {
     detectable: Vec<Detectable<&'static str>>,
     worst: Option<Check>,
     inconclusive: Option<Check>,
+    /// If given, only checks that it ends with are recorded.
+    about: Option<String>,
 }
 
 impl Ledger {
+    /// A ledger for the check that a verdict is about.
+    pub(crate) fn about(verdict: &Verdict) -> Self {
+        Self { about: Some(verdict.what.clone()), ..Self::default() }
+    }
+
     pub(crate) fn record(&mut self, check: Check) {
+        if self.about.as_ref().is_some_and(|about| !about.ends_with(check.what)) {
+            return;
+        }
         self.checks += 1;
         self.samples += check.samples;
         self.violations += u64::from(!check.holds());
@@ -221,6 +231,11 @@ impl Ledger {
     /// Whether a check contradicts the claim.
     pub(crate) fn is_violated(&self) -> bool {
         self.violations > 0
+    }
+
+    /// The most telling check, if it contradicts the claim.
+    pub(crate) fn violation(&self) -> Option<&Check> {
+        self.worst.as_ref().filter(|worst| !worst.holds())
     }
 
     /// Takes over the checks that another ledger holds about the specimen with these parameters.

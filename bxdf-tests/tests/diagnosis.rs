@@ -6,6 +6,7 @@ use bxdf_tests::{
     Claims, Direction, Examination, Measure, Outcome, Plan, Precision, Scatter, Specimen, Suite, Transport,
     Verdict, run_seed,
 };
+use gonio::planted::{Finder, PlantedBug};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_PI, TAU};
 
@@ -466,6 +467,157 @@ fn each_bug_is_named_by_its_weights() {
         ),
     ] {
         assert_eq!(named(&bugged, suite).as_deref(), Some(expected));
+    }
+}
+
+/// What suite `reciprocal` must say of each planted bug that it must find.
+const EXCHANGES: &[(&str, Option<&str>)] = &[
+    ("value_prefers_one_direction", None),
+    ("value_holds_the_cosine", Some("the cosine cos θi is once too often in eval(), or cos θo is missing")),
+    ("one_component_is_not_reciprocal", None),
+    ("mirror_turns_what_it_reflects", None),
+    (
+        "radiance_keeps_its_value_in_glass",
+        Some("η² of refraction is missing for radiance in the weight of a delta"),
+    ),
+    (
+        "radiance_is_halved_in_glass",
+        Some("a constant factor is wrong for one transport mode in the weight of a delta"),
+    ),
+    ("unknown_glass_keeps_radiance_and_reports_no_index", None),
+    ("radiance_keeps_its_value_in_rough_glass", Some("η² of refraction is missing for radiance in eval()")),
+    ("both_modes_gain_in_rough_glass", None),
+    ("squared_index_in_the_other_mode", Some("η² of refraction is in the wrong transport mode in eval()")),
+    ("squared_index_is_inverted", Some("η² of refraction is inverted for radiance in eval()")),
+    ("roughness_is_widened_in_the_value", None),
+    (
+        "coat_is_crossed_once",
+        Some(
+            "the base of a coat is not symmetric: the transmittance along wi is missing in eval(), \
+             or that along wo is once too often",
+        ),
+    ),
+    ("absorption_along_the_outer_direction", None),
+    ("absorption_on_the_way_in_only", None),
+];
+
+#[test]
+fn planted_bugs_that_are_not_reciprocal_are_named() {
+    let planted =
+        PlantedBug::ALL.iter().filter(|bug| matches!(bug.finder, Finder::Suite(Suite::Reciprocal, _)));
+    let planted: Vec<_> = planted.collect();
+    let names: Vec<_> = planted.iter().map(|bug| bug.name).collect();
+    assert_eq!(names, EXCHANGES.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+    planted.par_iter().zip(EXCHANGES).for_each(|(planted, (name, expected))| {
+        let found = verdict(&*planted.mutant().unwrap(), Suite::Reciprocal);
+        assert_eq!(found.outcome, Outcome::Violated, "{found}");
+        let smallest = found.smallest.as_ref().unwrap_or_else(|| panic!("no smallest case: {found}"));
+        // The smallest case is one of the same check: only a sample knows the index, and what a delta is.
+        let is_pair = found.what.starts_with("f(wo, wi)");
+        assert_eq!(smallest.witness.uniforms.is_none(), is_pair, "{found}");
+        assert_eq!(found.diagnosis.map(|diagnosis| diagnosis.bug).as_deref(), *expected, "{name}");
+        // Whoever claims that the correct specimen is violated hears of no bug.
+        let twin = planted.twin().unwrap();
+        let plan = Plan::new(run_seed(), [&*twin]);
+        let examination = Examination::new(&*twin, &plan);
+        let right = examination.verdict(Suite::Reciprocal).unwrap();
+        assert_eq!(right.outcome, Outcome::Holds, "{right}");
+        let slandered = examination.explained(Verdict { outcome: Outcome::Violated, ..right });
+        assert!(slandered.diagnosis.is_none() && slandered.smallest.is_none(), "{slandered}");
+    });
+}
+
+/// A rough boundary that carries both transport modes, with powers of η² in f that it may have by mistake.
+struct Squared {
+    /// How often f of radiance and f of importance are divided by η²: once and not at all, if all is right.
+    powers: [i32; 2],
+    glass: Box<dyn Specimen>,
+}
+
+impl Specimen for Squared {
+    fn claims(&self) -> Claims {
+        Claims { energy: None, boundary: None, microfacet: false, ..self.glass.claims() }
+    }
+    fn eval(&self, wo: Direction, wi: Direction, transport: Transport) -> [f64; 3] {
+        let right = i32::from(transport == Transport::Radiance);
+        let power = self.powers[usize::from(transport == Transport::Importance)] - right;
+        let eta: f64 = if wo[2] > 0.0 { ETA } else { 1.0 / ETA };
+        let factor = if wo[2] * wi[2] < 0.0 { eta.powi(-2 * power) } else { 1.0 };
+        self.glass.eval(wo, wi, transport).map(|f| f * factor)
+    }
+    fn pdf(&self, wo: Direction, wi: Direction, transport: Transport) -> f64 {
+        self.glass.pdf(wo, wi, transport)
+    }
+    fn sample(&self, wo: Direction, u: [f64; 3], transport: Transport) -> Option<Scatter> {
+        self.glass.sample(wo, u, transport)
+    }
+}
+
+#[test]
+fn each_power_of_the_index_is_named() {
+    for (powers, expected) in [
+        ([0, 0], Some("is missing for radiance")),
+        ([-1, 0], Some("is inverted for radiance")),
+        ([2, 0], Some("is once too often for radiance")),
+        ([0, 1], Some("is in the wrong transport mode")),
+        ([1, 1], Some("is applied to both transport modes")),
+        ([3, -1], None),
+    ] {
+        let planted = PlantedBug::ALL.iter().find(|bug| bug.name == "squared_index_is_inverted").unwrap();
+        let found = verdict(&Squared { powers, glass: planted.twin().unwrap() }, Suite::Reciprocal);
+        assert_eq!(found.outcome, Outcome::Violated, "{found}");
+        let expected = expected.map(|words| format!("η² of refraction {words} in eval()"));
+        assert_eq!(found.diagnosis.map(|diagnosis| diagnosis.bug), expected);
+    }
+}
+
+#[test]
+fn cosines_masking_and_coats_of_one_direction_are_named() {
+    /// Into the coat, 1 at normal incidence.
+    fn transmittance(cosine: f64) -> f64 {
+        let refracted = (1.0 - (1.0 - cosine * cosine) / (ETA * ETA)).sqrt();
+        let s = (cosine - ETA * refracted) / (cosine + ETA * refracted);
+        let p = (ETA * cosine - refracted) / (ETA * cosine + refracted);
+        1.0 - 0.5 * (s * s + p * p)
+    }
+    let cases: [(Number, Option<&str>); 9] = [
+        (
+            |rough, wo, wi| rough.f(wo, wi) * wi[2],
+            Some("the cosine cos θi is once too often in eval(), or cos θo is missing"),
+        ),
+        (
+            |rough, wo, wi| rough.f(wo, wi) / wi[2],
+            Some("the cosine cos θo is once too often in eval(), or cos θi is missing"),
+        ),
+        (
+            |rough, wo, wi| rough.f(wo, wi) / rough.g1(wi),
+            Some("masking of wi is missing in eval(), or that of wo is once too often"),
+        ),
+        (
+            |rough, wo, wi| rough.f(wo, wi) / rough.g1(wo),
+            Some("masking of wo is missing in eval(), or that of wi is once too often"),
+        ),
+        (
+            |rough, wo, wi| rough.f(wo, wi) * transmittance(wo[2]),
+            Some(
+                "the base of a coat is not symmetric: the transmittance along wi is missing in eval(), \
+                 or that along wo is once too often",
+            ),
+        ),
+        (
+            |rough, wo, wi| rough.f(wo, wi) * transmittance(wi[2]),
+            Some(
+                "the base of a coat is not symmetric: the transmittance along wo is missing in eval(), \
+                 or that along wi is once too often",
+            ),
+        ),
+        (|rough, wo, wi| rough.f(wo, wi) * (1.0 + 0.5 * wo[0]), None),
+        (|rough, wo, wi| rough.f(wo, wi) * (1.0 + wi[2]), None),
+        (|rough, wo, wi| rough.f(wo, wi) * (1.0 + 0.5 * (9.0 * wi[0]).sin()), None),
+    ];
+    for (i, (f, expected)) in cases.into_iter().enumerate() {
+        let bug = named(&Bugged { f, ..correct(MIRROR) }, Suite::Reciprocal);
+        assert_eq!(bug.as_deref(), expected, "bug {i}");
     }
 }
 

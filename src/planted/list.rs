@@ -1,5 +1,6 @@
-//! The list: a name, the suite that must find it and what its most telling check is about, the correct specimen, the
-//! bug. Behind `needs` stand the samples per direction that it takes, where that is more than the default.
+//! The list: a name, the suite that must find it and what its most telling check is about, the correct
+//! specimen, the bug. Behind `needs` stand the samples per direction that it takes, where that is more than
+//! the default; `in its family` stands where the bug is the same whatever the parameters of the specimen.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
@@ -20,13 +21,15 @@ use super::{Finder, PlantedBug};
 use crate::fresnel::{Polarized, conductor, conductor_thesis, dielectric, schlick};
 
 macro_rules! bugs {
-    ($($name:ident: $suite:ident, $what:literal, $specimen:ident, [$($bug:expr),+ $(,)?] $(, needs $samples:expr)?;)+) => {
+    ($($name:ident: $suite:ident, $what:literal, $specimen:ident, [$($bug:expr),+ $(,)?]
+        $(, needs $samples:expr)? $(, in its $family:ident)?;)+) => {
         pub(super) const BUGS: &[PlantedBug] = &[$(PlantedBug {
             name: stringify!($name),
             finder: finder!($suite, $what),
             samples: samples!($($samples)?),
             specimen: $specimen,
             bugs: &[$($bug),+],
+            in_family: in_family!($($family)?),
         },)+];
     };
 }
@@ -46,6 +49,15 @@ macro_rules! samples {
     };
     ($samples:expr) => {
         $samples
+    };
+}
+
+macro_rules! in_family {
+    () => {
+        false
+    };
+    (family) => {
+        true
     };
 }
 
@@ -268,7 +280,8 @@ bugs! {
             weighted(scatter, |weight| if is_inside(scatter.wi) { f64::NAN } else { weight })
         })];
     direction_is_not_of_unit_length: Finite, "length of a sampled direction", rough_mirror,
-        [Bug::Scatter(|scatter, _, _| Scatter { wi: scatter.wi.map(|x| x * (1.0 + 1e-12)), ..scatter })];
+        [Bug::Scatter(|scatter, _, _| Scatter { wi: scatter.wi.map(|x| x * (1.0 + 1e-12)), ..scatter })],
+        in its family;
     sample_leaves_on_the_other_side: Finite, "on the other side", white_paper,
         [Bug::Scatter(|scatter, _, _| Scatter { wi: scatter.wi.map(|x| -x), ..scatter })];
     // χ⁺(a) = 1 for a ≥ 0, equation 15: at the horizon the norm is 0 and so is what is above it.
@@ -287,7 +300,7 @@ bugs! {
     density_is_too_large: Normalised, "mass of the pdf", white_paper,
         [Bug::Pdf(|pdf, _, _| 1.005 * pdf)];
     sampler_insists_and_pdf_does_not_know: Normalised, "rate of no sample", rough_mirror,
-        [Bug::Sample(insistent)];
+        [Bug::Sample(insistent)], in its family;
     density_of_what_came_out: Normalised, "rate of no sample", rejecting_paper,
         [Bug::Pdf(|pdf, _, _| pdf / KEPT)];
     density_without_the_probability_of_its_component: Normalised, "mass of the pdf", mirrored_paper,
@@ -300,9 +313,9 @@ bugs! {
             pdf * beckmann_g1_rational(wo, ALPHA) * (1.0 + beckmann_lambda(wo, ALPHA))
         })];
     density_without_the_jacobian: ChiSquare, "chi-square", rough_mirror,
-        [Bug::Pdf(|pdf, wo, wi| pdf * 4.0 * half(wo, wi).1)];
+        [Bug::Pdf(|pdf, wo, wi| pdf * 4.0 * half(wo, wi).1)], in its family;
     jacobian_with_the_macro_normal: ChiSquare, "chi-square", rough_mirror,
-        [Bug::Pdf(|pdf, wo, wi| pdf * half(wo, wi).1 / wo[2])];
+        [Bug::Pdf(|pdf, wo, wi| pdf * half(wo, wi).1 / wo[2])], in its family;
     density_forgets_the_cosine: ChiSquare, "chi-square", white_paper,
         [Bug::Pdf(|pdf, _, _| if pdf > 0.0 { 0.5 * FRAC_1_PI } else { 0.0 })];
     density_with_directions_swapped: ChiSquare, "chi-square", white_paper,
@@ -351,7 +364,7 @@ bugs! {
             Scatter { wi: [x, y.abs(), z], ..scatter }
         })];
     reflection_is_picked_one_percent_too_often: ChiSquare, "chi-square", glass,
-        [Bug::Sample(picked::<1>)];
+        [Bug::Sample(picked::<1>)], in its family;
     mirror_is_picked_one_percent_too_often: ChiSquare, "chi-square", mirrored_paper,
         [Bug::Sample(picked::<1>)], needs 1 << 20;
     mirror_is_picked_two_percent_too_often: ChiSquare, "chi-square", mirrored_paper,
@@ -366,7 +379,7 @@ bugs! {
 
     // Weights.
     weight_forgets_masking: Weight, "weight · pdf", rough_mirror,
-        [Bug::Scatter(|scatter, _, _| weighted(scatter, |_| 1.0))];
+        [Bug::Scatter(|scatter, _, _| weighted(scatter, |_| 1.0))], in its family;
     weight_forgets_the_density: Weight, "weight · pdf", white_paper,
         [Bug::Scatter(|scatter, _, _| match scatter.density {
             Measure::SolidAngle(density) => weighted(scatter, |weight| weight * density),
@@ -409,7 +422,7 @@ bugs! {
 
     // Reciprocity.
     value_prefers_one_direction: Reciprocal, "f(wo, wi) against f(wi, wo)", rough_gold,
-        [Bug::Eval(|f, wo, _| f * (1.0 + 0.1 * wo[2]))];
+        [Bug::Eval(|f, wo, _| f * (1.0 + 0.1 * wo[2]))], in its family;
     value_holds_the_cosine: Reciprocal, "f(wo, wi) against f(wi, wo)", white_paper,
         [Bug::Eval(|f, _, wi| f * wi[2].abs())];
     one_component_is_not_reciprocal: Reciprocal, "power of a delta", coated_gold,
@@ -421,11 +434,11 @@ bugs! {
     mirror_turns_what_it_reflects: Reciprocal, "way back", smooth_gold,
         [Bug::Scatter(|scatter @ Scatter { wi: [x, y, z], .. }, _, _| Scatter { wi: [-y, x, z], ..scatter })];
     radiance_keeps_its_value_in_glass: Reciprocal, "power of a delta", glass,
-        [Bug::Scatter(|scatter, _, _| weighted(scatter, |_| 1.0))];
+        [Bug::Scatter(|scatter, _, _| weighted(scatter, |_| 1.0))], in its family;
     radiance_is_halved_in_glass: Reciprocal, "power of a delta", glass,
         [Bug::Scatter(|scatter, _, transport| {
             weighted(scatter, |weight| if transport == Transport::Radiance { 0.5 * weight } else { weight })
-        })];
+        })], in its family;
     unknown_glass_keeps_radiance_and_reports_no_index: Reciprocal, "squeezes", unknown_glass,
         [Bug::Scatter(|scatter, _, _| Scatter { eta: 1.0, ..weighted(scatter, |_| 1.0) })];
     // f(wo, wi) = f(wi, wo) also across a boundary, §2.2.2.
@@ -471,7 +484,7 @@ bugs! {
     value_without_one_over_pi: Energy, "directional albedo", white_paper,
         [Bug::Eval(|f, _, _| PI * f)];
     mean_weight_is_not_the_albedo: Energy, "mean weight", rough_mirror,
-        [Bug::Scatter(|scatter, _, _| weighted(scatter, |weight| 1.01 * weight))];
+        [Bug::Scatter(|scatter, _, _| weighted(scatter, |weight| 1.01 * weight))], in its family;
     // Too little for an albedo, and nothing that samples could meet.
     value_where_no_sample_goes: Energy, "where the pdf is 0", white_paper,
         [Bug::Value(|f, wi| if wi[2] < 0.0 { f + 1e-9 } else { f })];
@@ -482,7 +495,7 @@ bugs! {
     // Equation 1 over the hemisphere: what is transmitted does not count.
     only_the_hemisphere_above_counts: Energy, "energy lost", glass,
         [Bug::Scatter(|scatter, wo, _| weighted(scatter, |weight| if crosses(wo, scatter.wi) { 0.0 } else { weight }))];
-    facets_that_face_away_transmit: Energy, "directional albedo", frosted_glass,
+    facets_that_face_away_transmit: Energy, "where the pdf is 0", frosted_glass,
         [Bug::Mode(transmitted_by_any_facet)];
 
     // Coats.

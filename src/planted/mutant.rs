@@ -1,6 +1,6 @@
 //! A specimen with bugs in its terms.
 
-use bxdf_tests::{Claims, Direction, Measure, Microsurface, Scatter, Specimen, Transport};
+use bxdf_tests::{Claims, Direction, Family, Measure, Microsurface, Parameter, Scatter, Specimen, Transport};
 
 use super::terms::{add, dot, normalized};
 use crate::fresnel::conductor;
@@ -40,11 +40,18 @@ pub(super) struct Mutant {
     name: String,
     specimen: Box<dyn Specimen>,
     bugs: &'static [Bug],
+    /// Whether the bugs are the same whatever the parameters of the specimen.
+    in_family: bool,
 }
 
 impl Mutant {
-    pub(super) fn new(name: String, specimen: Box<dyn Specimen>, bugs: &'static [Bug]) -> Self {
-        Self { name, specimen, bugs }
+    pub(super) fn new(
+        name: String,
+        specimen: Box<dyn Specimen>,
+        bugs: &'static [Bug],
+        in_family: bool,
+    ) -> Self {
+        Self { name, specimen, bugs, in_family }
     }
 
     /// The wrong f, but for bugs in nothing else.
@@ -174,6 +181,21 @@ impl Specimen for Mutant {
 
     fn microsurface(&self) -> Option<&dyn Microsurface> {
         self.specimen.microsurface().map(|_| self as _)
+    }
+
+    fn family(&self) -> Option<&dyn Family> {
+        self.specimen.family().filter(|_| self.in_family).map(|_| self as _)
+    }
+}
+
+impl Family for Mutant {
+    fn parameters(&self) -> &[Parameter] {
+        self.specimen.family().map_or(&[], Family::parameters)
+    }
+
+    fn at(&self, values: &[f64]) -> Option<Box<dyn Specimen>> {
+        let member = self.specimen.family()?.at(values)?;
+        Some(Box::new(Self::new(self.name.clone(), member, self.bugs, self.in_family)))
     }
 }
 

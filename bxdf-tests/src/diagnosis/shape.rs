@@ -10,14 +10,14 @@ pub(crate) struct Pair {
     pub(super) wo: Direction,
     pub(super) wi: Direction,
     pub(super) is_reflection: bool,
-    cos_o: f64,
+    pub(super) cos_o: f64,
     pub(super) cos_i: f64,
     /// n·h, with h the half vector wo + η wi.
     cos_h: f64,
     wo_h: f64,
     wi_h: f64,
     /// Index of the other side over that of `wo`.
-    eta: f64,
+    pub(super) eta: f64,
 }
 
 fn dot(a: Direction, b: Direction) -> f64 {
@@ -53,7 +53,7 @@ pub(crate) struct Roughness {
     is_beckmann: bool,
     /// Visible normals rather than D cos θ.
     is_visible: bool,
-    alpha: f64,
+    pub(super) alpha: f64,
 }
 
 impl Roughness {
@@ -68,7 +68,7 @@ impl Roughness {
     }
 
     /// Smith's masking 1 / (1 + Λ), of Beckmann by Walter et al. 2007.
-    fn g1(self, alpha: f64, cos: f64) -> f64 {
+    pub(super) fn g1(self, alpha: f64, cos: f64) -> f64 {
         let slope = alpha * Self::tan2(cos).sqrt();
         if slope == 0.0 {
             1.0

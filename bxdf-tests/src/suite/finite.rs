@@ -82,7 +82,7 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
 }
 
 /// Checks f and pdf of a pair of directions; the largest of them and of the weight that they make.
-fn check_values(
+pub(super) fn check_values(
     examination: &Examination<'_>,
     ledger: &mut Ledger,
     [wo, wi]: [Direction; 2],
@@ -111,7 +111,7 @@ fn check_values(
 }
 
 /// Checks one sample, and gives its direction.
-fn check_sample(
+pub(super) fn check_sample(
     examination: &Examination<'_>,
     ledger: &mut Ledger,
     wo: Direction,

@@ -12,7 +12,7 @@ use crate::verdict::{Check, Ledger, Witness};
 const ULPS: f64 = 24.0;
 
 /// Reflectances \[s, p\] of a boundary of relative index `eta` + i `k`.
-pub(super) fn reference(cos_theta: f64, eta: f64, k: f64) -> [f64; 2] {
+pub(crate) fn reference(cos_theta: f64, eta: f64, k: f64) -> [f64; 2] {
     // N² and q = N cos θt = √(N² − sin²θ), Im q ≥ 0; N² − 1 + cos² keeps the digits near N = 1.
     let n2 = [(eta - 1.0) * (eta + 1.0) - k * k + 1.0, 2.0 * eta * k];
     let [re, im] = [(eta - 1.0) * (eta + 1.0) - k * k + cos_theta * cos_theta, 2.0 * eta * k];

@@ -30,23 +30,14 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
         });
         let mut deltas: Vec<Direction> = Vec::new();
         for (uniforms, scatter) in sampled {
-            match scatter.density {
-                Measure::SolidAngle(_) => {
-                    compare(examination, ledger, setting.wo, scatter.wi);
-                    if setting.wo[2] * scatter.wi[2] < 0.0 {
-                        compare_modes(examination, ledger, &setting, &scatter);
-                    }
-                }
+            if let Measure::Discrete(_) = scatter.density {
                 // Once per direction: all deltas that share it are compared together.
-                Measure::Discrete(_) if deltas.contains(&scatter.wi) => {}
-                Measure::Discrete(_) => {
-                    deltas.push(scatter.wi);
-                    compare_deltas(examination, ledger, &setting, uniforms, &scatter);
-                    if setting.wo[2] * scatter.wi[2] < 0.0 {
-                        compare_solid_angles(examination, ledger, &setting, uniforms, &scatter);
-                    }
+                if deltas.contains(&scatter.wi) {
+                    continue;
                 }
+                deltas.push(scatter.wi);
             }
+            compare_sample(examination, ledger, &setting, uniforms, &scatter);
         }
     }
     let mut generator = examination.plan.named_generator(&format!("{} | reciprocal", examination.name));
@@ -64,11 +55,8 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
         compare(examination, ledger, wo, [i, j, if w < 0.5 { k } else { -k }]);
         let uniforms = [u, v, w].map(|u| uniform(u, precision));
         let sample = specimen.sample(wo, uniforms, setting.transport);
-        if let Some(scatter @ Scatter { wi, density: Measure::SolidAngle(_), .. }) = sample {
-            compare(examination, ledger, wo, wi);
-            if wo[2] * wi[2] < 0.0 {
-                compare_modes(examination, ledger, &setting, &scatter);
-            }
+        if let Some(scatter @ Scatter { density: Measure::SolidAngle(_), .. }) = sample {
+            compare_sample(examination, ledger, &setting, uniforms, &scatter);
         }
         0.0
     });
@@ -81,6 +69,31 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
         }
         0.0
     });
+}
+
+/// A sampled direction, or all deltas towards it.
+pub(super) fn compare_sample(
+    examination: &Examination<'_>,
+    ledger: &mut Ledger,
+    setting: &Setting,
+    uniforms: [f64; 3],
+    scatter: &Scatter,
+) {
+    let crosses = setting.wo[2] * scatter.wi[2] < 0.0;
+    match scatter.density {
+        Measure::SolidAngle(_) => {
+            compare(examination, ledger, setting.wo, scatter.wi);
+            if crosses {
+                compare_modes(examination, ledger, setting, uniforms, scatter);
+            }
+        }
+        Measure::Discrete(_) => {
+            compare_deltas(examination, ledger, setting, uniforms, scatter);
+            if crosses {
+                compare_solid_angles(examination, ledger, setting, uniforms, scatter);
+            }
+        }
+    }
 }
 
 /// A direction on the sphere, uniform or close to the tangent plane.
@@ -96,7 +109,7 @@ fn anywhere(generator: &mut Pcg64, examination: &Examination<'_>, grazing: bool)
 }
 
 /// f_importance(a, b) = f_radiance(b, a), and on the same side f(a, b) = f(b, a).
-fn compare(examination: &Examination<'_>, ledger: &mut Ledger, a: Direction, b: Direction) {
+pub(super) fn compare(examination: &Examination<'_>, ledger: &mut Ledger, a: Direction, b: Direction) {
     let specimen = examination.specimen;
     let same_side = a[2] * b[2] > 0.0;
     let transports: &[Transport] =
@@ -125,11 +138,12 @@ const WHAT: &str = "f(wo, wi) against f(wi, wo) [1/sr]";
 fn compare_modes(
     examination: &Examination<'_>,
     ledger: &mut Ledger,
-    Setting { wo, transport, .. }: &Setting,
+    setting: &Setting,
+    uniforms: [f64; 3],
     scatter: &Scatter,
 ) {
     let squared = scatter.eta * scatter.eta;
-    let value = |w: Direction, transport| examination.specimen.eval(*wo, w, transport);
+    let value = |w: Direction, transport| examination.specimen.eval(setting.wo, w, transport);
     let importance = |w: Direction| value(w, Transport::Importance);
     let radiance = |w: Direction| value(w, Transport::Radiance).map(|f| squared * f);
     let (forth, back) = (importance(scatter.wi), radiance(scatter.wi));
@@ -139,7 +153,7 @@ fn compare_modes(
     ];
     for channel in 0..3 {
         let what = "f of importance against η² f of radiance [1/sr]";
-        let witness = Witness::at(*wo, *transport).with_wi(scatter.wi);
+        let witness = setting.witness().with_wi(scatter.wi).with_uniforms(uniforms);
         let difference = (forth[channel] - back[channel]).abs();
         ledger.record(Check::new(what, difference, allowed[0][channel] + allowed[1][channel], witness));
     }

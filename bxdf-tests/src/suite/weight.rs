@@ -70,7 +70,7 @@ fn is_resolved(examination: &Examination<'_>, setting: &Setting, scatter: &Scatt
 }
 
 /// What one sample says, against `eval` and `pdf`.
-fn compare(
+pub(super) fn compare(
     examination: &Examination<'_>,
     ledger: &mut Ledger,
     setting: &Setting,
