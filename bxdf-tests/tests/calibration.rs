@@ -36,8 +36,11 @@ fn specimens() -> Vec<Box<dyn Specimen>> {
     let glass = DielectricSpecular::<f64>::new(1.5).unwrap();
     vec![
         mirror(Shape::Ggx, 0.01),
+        mirror(Shape::Beckmann, 0.02),
+        mirror(Shape::Ggx, 0.05),
         mirror(Shape::Beckmann, 0.1),
-        mirror(Shape::Ggx, 0.5),
+        mirror(Shape::Ggx, 0.2),
+        mirror(Shape::Beckmann, 0.5),
         mirror(Shape::Ggx, 1.0),
         Box::new(BxdfSpecimen::of_lobe("paper", paper)),
         Box::new(BxdfSpecimen::of_lobe("glass", glass)),
