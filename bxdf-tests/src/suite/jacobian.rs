@@ -1,0 +1,232 @@
+//! The pdf is the density that the sampler's own map gives its directions: no chance is involved, and no histogram sees
+//! as much.
+//!
+//! Where a direction comes from one pair of uniforms (x, y) only, its density is q / |∂wi/∂x × ∂wi/∂y|, the probability of
+//! its side at (x, y) over √det(JᵀJ), J being the Jacobian matrix of `wi`. Its columns are finite differences, each with a
+//! bound of its error; that of the density follows from the two and from what the pdf owes to rounding.
+
+use super::{Examination, length};
+use crate::Precision;
+use crate::plan::Setting;
+use crate::search::halton;
+use crate::specimen::{Direction, Measure, Scatter};
+use crate::verdict::{Check, Ledger};
+use rand::RngExt;
+
+/// Points (x, y) per setting.
+const POINTS: usize = 32;
+/// The least distance from a point to the border of the unit square.
+const MARGIN: f64 = 1.0 / 1024.0;
+/// What points are multiples of, so that single precision has them and all steps from them.
+const UNIT: f64 = 1.0 / 16_777_216.0;
+/// Steps of a derivative, each half as long as the one before.
+const STEPS: usize = 8;
+/// Relative error of the expected density above which nothing is said about the pdf.
+const WORST_ERROR: f64 = 0.05;
+/// The shortest piece of the first uniform that is measured; single precision is coarser.
+const SHORTEST: f64 = 1e-12;
+/// Pieces of the first uniform that are told apart: the two sides, a delta, no sample.
+const MOST_PIECES: usize = 4;
+
+pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
+    let (mut met, mut judged) = (false, false);
+    for setting in examination.settings() {
+        let mut generator = examination.plan.generator(&examination.name, &setting, "jacobian");
+        for point in halton(&[generator.random(), generator.random()]).take(POINTS) {
+            let point =
+                [point[0], point[1]].map(|x| UNIT * ((MARGIN + (1.0 - 2.0 * MARGIN) * x) / UNIT).round());
+            let map = Map { examination, setting, point };
+            for piece in pieces(examination.claims.precision, |uc| map.side(uc)) {
+                let Some(sample) = map.sample(piece.inside, [0.0; 2]) else { continue };
+                met = true;
+                if let Some(check) = map.compare(&piece, &sample) {
+                    judged = true;
+                    ledger.record(check);
+                }
+            }
+        }
+    }
+    if !judged {
+        let reason = if met { "rounding hides the Jacobian of the map" } else { "no sample has a density" };
+        let witness = examination.settings().first().map(Setting::witness).unwrap_or_default();
+        ledger.record(Check { inconclusive: Some(reason), ..Check::new(WHAT, 0.0, 0.0, witness) });
+    }
+}
+
+const WHAT: &str = "pdf against 1 / sqrt(det(JT J)) of the sampler [1/sr]";
+
+/// The map from uniforms to directions about one point of the unit square.
+struct Map<'a> {
+    examination: &'a Examination<'a>,
+    setting: Setting,
+    point: [f64; 2],
+}
+
+impl Map<'_> {
+    /// What comes out at a distance from the point, unless that is a delta or nothing.
+    fn sample(&self, uc: f64, [x, y]: [f64; 2]) -> Option<Scatter> {
+        let uniforms = [uc, self.point[0] + x, self.point[1] + y];
+        let sample = self.examination.specimen.sample(self.setting.wo, uniforms, self.setting.transport);
+        sample.filter(|sample| matches!(sample.density, Measure::SolidAngle(_)))
+    }
+
+    /// The side of what comes out: above?
+    fn side(&self, uc: f64) -> Option<bool> {
+        self.sample(uc, [0.0; 2]).map(|sample| sample.wi[2] > 0.0)
+    }
+
+    /// The check of one sample; `None` where the error of the expected density is too large to say anything.
+    fn compare(&self, piece: &Piece, sample: &Scatter) -> Option<Check> {
+        let (Setting { wo, transport, .. }, examination) = (self.setting, self.examination);
+        let (specimen, epsilon) = (examination.specimen, examination.claims.precision.epsilon());
+        let wi = sample.wi;
+        let along = |axis: usize| {
+            let at = |step: f64| {
+                let mut steps = [0.0; 2];
+                steps[axis] = step;
+                let near = self.sample(piece.inside, steps)?.wi;
+                (near[2] * wi[2] > 0.0).then_some(near)
+            };
+            // As far as half the way to the border of the unit square, by a power of two.
+            let x = self.point[axis];
+            let longest = libm::exp2(libm::log2(0.5 * x.min(1.0 - x)).floor());
+            derivative(at, wi, longest, 16.0 * epsilon)
+        };
+        let (x, y) = (along(0)?, along(1)?);
+        let size = length(wi);
+        // Across `wi`: what rounding does to its length is no part of the solid angle.
+        let solid_angle = triple(x.value, y.value, wi).abs() / (size * size * size);
+        let error = x.error * (length(y.value) + y.error) + y.error * length(x.value);
+        let expected = piece.probability / solid_angle;
+        let relative = (error / solid_angle + piece.error / piece.probability) / (1.0 - error / solid_angle);
+        if error >= solid_angle || relative > WORST_ERROR {
+            return None;
+        }
+        let pdf = |w: Direction| specimen.pdf(wo, w, transport);
+        let found = pdf(wi);
+        let [bending] = examination.refraction_errors(wo, sample, [found], |w| [pdf(w)]);
+        let allowed = expected * relative + examination.rounding_error(wi, found, pdf) + bending;
+        // What is not a number goes on to the comparison.
+        let is_hidden = allowed > WORST_ERROR * expected.max(found);
+        let witness = self.setting.witness().with_wi(wi);
+        let witness = witness.with_uniforms([piece.inside, self.point[0], self.point[1]]);
+        (!is_hidden).then(|| Check::new(WHAT, (found - expected).abs(), allowed, witness))
+    }
+}
+
+fn triple(a: Direction, b: Direction, c: Direction) -> f64 {
+    (0..3).map(|i| (a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3]) * c[i]).sum()
+}
+
+/// An interval of the first uniform from which the same side comes out.
+struct Piece {
+    /// Its length, and the error of that.
+    probability: f64,
+    error: f64,
+    /// A uniform inside: at an end of the unit interval it stays inside when (x, y) moves.
+    inside: f64,
+}
+
+/// The pieces of the unit interval that differ in what comes out.
+fn pieces<T: PartialEq>(precision: Precision, outcome: impl Fn(f64) -> T) -> Vec<Piece> {
+    let epsilon = precision.epsilon();
+    let last = 1.0 - 0.5 * epsilon;
+    let end = outcome(last);
+    // A threshold with its error: that of the bisection, and what the specimen owes to rounding.
+    let mut start = (0.0, 0.0);
+    let mut known = outcome(0.0);
+    let mut pieces = Vec::new();
+    while known != end && pieces.len() + 1 < MOST_PIECES {
+        let (mut low, mut high, mut next) = (start.0, last, None);
+        while high - low > SHORTEST {
+            let middle = precision.round(0.5 * (low + high));
+            if middle <= low || middle >= high {
+                break;
+            }
+            match outcome(middle) {
+                here if here == known => low = middle,
+                here => (high, next) = (middle, Some(here)),
+            }
+        }
+        let stop = (high, high - low + epsilon * high);
+        let inside = if start.0 == 0.0 { 0.0 } else { precision.round(0.5 * (start.0 + high)) };
+        pieces.push(Piece { probability: stop.0 - start.0, error: start.1 + stop.1, inside });
+        start = stop;
+        match next {
+            Some(next) => known = next,
+            None => break,
+        }
+    }
+    pieces.push(Piece { probability: 1.0 - start.0, error: start.1, inside: last });
+    pieces
+}
+
+/// A derivative with a bound of its error.
+struct Derivative {
+    value: Direction,
+    error: f64,
+}
+
+/// What central differences of one step give, or extrapolations from several.
+struct Difference {
+    slope: Direction,
+    /// Half the change of slope at the point itself: it vanishes with the step unless the map has a kink there.
+    kink: Direction,
+    /// The part of the slope that rounding may be.
+    noise: f64,
+}
+
+/// The derivative at step 0 from central differences, extrapolated from all steps (Ridders, *Advances in Engineering
+/// Software* 4(2), 1982, <https://doi.org/10.1016/S0141-1195(82)80057-0>): the extrapolation of the smallest error. Each
+/// value of `at` is off by `noise` at most. `None` where no two steps in a row lead anywhere.
+///
+/// Extrapolations agree with those from fewer steps where the map is smooth. Next to a kink they may agree on the mean of
+/// both slopes; so what they leave of the kink is an error too.
+fn derivative(
+    at: impl Fn(f64) -> Option<Direction>,
+    here: Direction,
+    longest: f64,
+    noise: f64,
+) -> Option<Derivative> {
+    let mut best: Option<Derivative> = None;
+    let mut coarse: Vec<Difference> = Vec::new();
+    let mut step = longest;
+    for _ in 0..STEPS {
+        let mut fine = Vec::with_capacity(STEPS);
+        // Where nothing comes out, or something on the other side, steps are too long.
+        if let (Some(forth), Some(back)) = (at(step), at(-step)) {
+            fine.push(Difference {
+                slope: core::array::from_fn(|i| (forth[i] - back[i]) / (2.0 * step)),
+                kink: core::array::from_fn(|i| (forth[i] - 2.0 * here[i] + back[i]) / (2.0 * step)),
+                noise: noise / step,
+            });
+            // Slopes err by even powers of the step, kinks by odd ones.
+            let mut power = 4.0;
+            for coarse in &coarse {
+                let last = &fine[fine.len() - 1];
+                let slope = extrapolated(coarse.slope, last.slope, power);
+                let kink = extrapolated(coarse.kink, last.kink, 0.5 * power);
+                let noise = (power * last.noise + coarse.noise) / (power - 1.0);
+                let change = distance(slope, last.slope).max(distance(slope, coarse.slope));
+                let error = 2.0 * (change + length(kink)) + noise;
+                if best.as_ref().is_none_or(|best| error < best.error) {
+                    best = Some(Derivative { value: slope, error });
+                }
+                fine.push(Difference { slope, kink, noise });
+                power *= 4.0;
+            }
+        }
+        coarse = fine;
+        step *= 0.5;
+    }
+    best
+}
+
+/// To step 0 from a step and half of it, where the error is `power` times smaller.
+fn extrapolated(coarse: Direction, fine: Direction, power: f64) -> Direction {
+    core::array::from_fn(|i| fine[i] + (fine[i] - coarse[i]) / (power - 1.0))
+}
+
+fn distance(a: Direction, b: Direction) -> f64 {
+    length(core::array::from_fn(|i| a[i] - b[i]))
+}
