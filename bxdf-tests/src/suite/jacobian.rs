@@ -22,9 +22,9 @@ const UNIT: f64 = 1.0 / 16_777_216.0;
 /// Steps of a derivative, each half as long as the one before.
 const STEPS: usize = 8;
 /// Relative error of the expected density above which nothing is said about the pdf.
-const WORST_ERROR: f64 = 0.05;
-/// The shortest piece of the first uniform that is measured; single precision is coarser.
-const SHORTEST: f64 = 1e-12;
+const WORST_ERROR: f64 = 0.1;
+/// How well thresholds of the first uniform are known; single precision is coarser.
+const SHORTEST: f64 = 0.25 * f64::EPSILON;
 /// Pieces of the first uniform that are told apart: the two sides, a delta, no sample.
 const MOST_PIECES: usize = 4;
 
@@ -87,10 +87,8 @@ impl Map<'_> {
                 let near = self.sample(piece.inside, steps)?.wi;
                 (near[2] * wi[2] > 0.0).then_some(near)
             };
-            // As far as half the way to the border of the unit square, by a power of two.
             let x = self.point[axis];
-            let longest = libm::exp2(libm::log2(0.5 * x.min(1.0 - x)).floor());
-            derivative(at, wi, longest, 16.0 * epsilon)
+            derivative(at, wi, longest(x.min(1.0 - x)), 16.0 * epsilon)
         };
         let (x, y) = (along(0)?, along(1)?);
         let size = length(wi);
@@ -161,6 +159,13 @@ fn pieces<T: PartialEq>(precision: Precision, outcome: impl Fn(f64) -> T) -> Vec
     pieces
 }
 
+/// The longest step at a distance from the border of the unit square: most of the way, and all halves are multiples of
+/// [`UNIT`].
+fn longest(distance: f64) -> f64 {
+    let shortest = libm::exp2(1.0 - STEPS as f64) * 0.75 * distance;
+    libm::exp2(STEPS as f64 - 1.0) * UNIT * (shortest / UNIT).floor()
+}
+
 /// A derivative with a bound of its error.
 struct Derivative {
     value: Direction,
@@ -208,7 +213,7 @@ fn derivative(
                 let kink = extrapolated(coarse.kink, last.kink, 0.5 * power);
                 let noise = (power * last.noise + coarse.noise) / (power - 1.0);
                 let change = distance(slope, last.slope).max(distance(slope, coarse.slope));
-                let error = 2.0 * (change + length(kink)) + noise;
+                let error = change + 2.0 * length(kink) + noise;
                 if best.as_ref().is_none_or(|best| error < best.error) {
                     best = Some(Derivative { value: slope, error });
                 }
