@@ -232,7 +232,7 @@ fn promises<F: Real>(lobe: &Lobe<F>, fresnel: Option<Fresnel<F>>) -> Claims {
         Lobe::MicrofacetReflection(lobe) => {
             let isotropic = lobe.distribution().is_isotropic();
             let is_delta = lobe.flags().is_delta;
-            let invertible = !is_delta && has_one_map(lobe.distribution());
+            let invertible = !is_delta && is_invertible(lobe.distribution());
             Claims { isotropic, invertible, boundary, microfacet: !is_delta, ..reflector }
         }
         Lobe::MicrofacetDielectric(lobe) => {
@@ -241,7 +241,7 @@ fn promises<F: Real>(lobe: &Lobe<F>, fresnel: Option<Fresnel<F>>) -> Claims {
                 two_sided: true,
                 transmits: true,
                 isotropic: lobe.distribution().is_isotropic(),
-                invertible: !is_delta && has_one_map(lobe.distribution()),
+                invertible: !is_delta && is_invertible(lobe.distribution()),
                 energy: lossless_if(is_delta && lobe.is_lossless()),
                 boundary,
                 microfacet: !is_delta,
@@ -251,9 +251,12 @@ fn promises<F: Real>(lobe: &Lobe<F>, fresnel: Option<Fresnel<F>>) -> Claims {
     }
 }
 
-/// Whether a visible normal comes from one pair of uniforms: it may be on either wall of a V-cavity.
-fn has_one_map<F: Real>(distribution: &Distribution<F>) -> bool {
-    distribution.shadowing() != Shadowing::VCavity
+/// Whether a visible normal comes from one pair of uniforms, and the precision resolves the lobe about it. Of a V-cavity
+/// it may be on either wall.
+fn is_invertible<F: Real>(distribution: &Distribution<F>) -> bool {
+    let is_resolved =
+        precision::<F>() == Precision::F64 || distribution.smallest_alpha().to_f64() >= ALPHA.low;
+    distribution.shadowing() != Shadowing::VCavity && is_resolved
 }
 
 fn mode(transport: Transport) -> TransportMode {

@@ -61,6 +61,7 @@ impl Examination<'_> {
                 let diagnosis = self.weights(&verdict).or_else(|| self.counts(&verdict).1);
                 (None, diagnosis, self.smallest(verdict.suite))
             }
+            Suite::Jacobian => (None, self.counts(&verdict).1, None),
             Suite::Weight => (None, self.weights(&verdict), None),
             _ => (None, None, None),
         };
