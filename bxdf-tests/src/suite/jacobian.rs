@@ -21,7 +21,7 @@ const MARGIN: f64 = 1.0 / 1024.0;
 const UNIT: f64 = 1.0 / 16_777_216.0;
 /// Steps of a derivative, each half as long as the one before.
 const STEPS: usize = 8;
-/// A last step that checks the others, over the longest.
+/// The longer of two last steps that check the others, over the longest of those.
 const FINEST: f64 = 1.0 / 2048.0;
 /// By how much an extrapolation can be better than those that it was made from.
 const FASTEST: f64 = 16.0;
@@ -166,7 +166,7 @@ fn pieces<T: PartialEq>(precision: Precision, outcome: impl Fn(f64) -> T) -> Vec
 /// The longest step at a distance from the border of the unit square: most of the way, with all parts multiples of
 /// [`UNIT`].
 fn longest(distance: f64) -> f64 {
-    let part = UNIT / FINEST;
+    let part = 2.0 * UNIT / FINEST;
     part * (0.75 * distance / part).floor()
 }
 
@@ -187,12 +187,23 @@ struct Difference {
     change: f64,
 }
 
+impl Difference {
+    fn new(forth: Direction, here: Direction, back: Direction, step: f64, noise: f64) -> Self {
+        Self {
+            slope: core::array::from_fn(|i| (forth[i] - back[i]) / (2.0 * step)),
+            kink: core::array::from_fn(|i| (forth[i] - 2.0 * here[i] + back[i]) / (2.0 * step)),
+            noise: noise / step,
+            change: 0.0,
+        }
+    }
+}
+
 /// The derivative at step 0 from central differences, extrapolated from all steps (Ridders, *Advances in Engineering
 /// Software* 4(2), 1982, <https://doi.org/10.1016/S0141-1195(82)80057-0>): the extrapolation of the smallest error. Each
 /// value of `at` is off by `noise` at most. `None` where no three steps in a row lead anywhere.
 ///
 /// Extrapolations agree with those from fewer steps where the map is smooth. Elsewhere two may agree by accident: so it takes
-/// three steps, none counts as much better than those that it was made from, and a much shorter step must confirm the best.
+/// three steps, none counts as much better than those that it was made from, and two much shorter steps must confirm the best.
 /// Next to a kink all agree on the mean of both slopes: so what they leave of the kink is an error too.
 fn derivative(
     at: impl Fn(f64) -> Option<Direction>,
@@ -207,12 +218,7 @@ fn derivative(
         let mut fine = Vec::with_capacity(STEPS);
         // Where nothing comes out, or something on the other side, steps are too long.
         if let (Some(forth), Some(back)) = (at(step), at(-step)) {
-            fine.push(Difference {
-                slope: core::array::from_fn(|i| (forth[i] - back[i]) / (2.0 * step)),
-                kink: core::array::from_fn(|i| (forth[i] - 2.0 * here[i] + back[i]) / (2.0 * step)),
-                noise: noise / step,
-                change: 0.0,
-            });
+            fine.push(Difference::new(forth, here, back, step, noise));
             // Slopes err by even powers of the step, kinks by odd ones.
             let mut power = 4.0;
             for coarse in &coarse {
@@ -233,10 +239,16 @@ fn derivative(
         coarse = fine;
         step *= 0.5;
     }
-    let (mut best, step) = (best?, FINEST * longest);
-    let (forth, back) = (at(step)?, at(-step)?);
-    let slope = core::array::from_fn(|i| (forth[i] - back[i]) / (2.0 * step));
-    best.error += (distance(best.value, slope) - noise / step).max(0.0);
+    let mut best = best?;
+    let [fine, finer] = [FINEST, 0.5 * FINEST].map(|part| {
+        let step = part * longest;
+        Some(Difference::new(at(step)?, here, at(-step)?, step, noise))
+    });
+    let (fine, finer) = (fine?, finer?);
+    // Two values at the point and one on either side make a kink, and half of the step doubles it.
+    let kink = length(extrapolated(fine.kink, finer.kink, 2.0)) - 10.0 * fine.noise;
+    let change = distance(best.value, fine.slope) - fine.noise;
+    best.error += change.max(0.0) + 2.0 * kink.max(0.0);
     Some(best)
 }
 
