@@ -251,8 +251,8 @@ fn promises<F: Real>(lobe: &Lobe<F>, fresnel: Option<Fresnel<F>>) -> Claims {
     }
 }
 
-/// Whether a visible normal comes from one pair of uniforms, and the precision resolves the lobe about it. Of a V-cavity
-/// it may be on either wall.
+/// Whether a visible normal comes from one pair of uniforms, and the precision resolves the lobe about it. Of
+/// a V-cavity it may be on either wall.
 fn is_invertible<F: Real>(distribution: &Distribution<F>) -> bool {
     let is_resolved =
         precision::<F>() == Precision::F64 || distribution.smallest_alpha().to_f64() >= ALPHA.low;

@@ -86,9 +86,9 @@ pub struct Claims {
     pub transmits: bool,
     /// Does not change under rotation about the normal.
     pub isotropic: bool,
-    /// Sampling can be inverted: a direction that is no delta comes from one pair (x, y) of the second and third uniform, and
-    /// from one interval of the first, which only picks among the two sides, deltas and no sample. So it is where a
-    /// density has one sampler; in a mixture several lead to the same direction.
+    /// Sampling can be inverted: a direction that is no delta comes from one pair (x, y) of the second and
+    /// third uniform, and from one interval of the first, which only picks among the two sides, deltas and no
+    /// sample. So it is where a density has one sampler; in a mixture several lead to the same direction.
     pub invertible: bool,
     /// Obeys Helmholtz reciprocity, with η² across a boundary.
     pub reciprocal: bool,

@@ -403,10 +403,11 @@ impl<'a> Examination<'a> {
         changes
     }
 
-    /// [`Self::index_errors`] about the facet that refracts, of values that have the Jacobian of refraction in them.
+    /// [`Self::index_errors`] about the facet that refracts, of values that have the Jacobian of refraction
+    /// in them.
     ///
-    /// That is 1 / |wo + η wi|², which between nearly matched media has fewer digits than the index: as many as remain when
-    /// that is rounded once.
+    /// That is 1 / |wo + η wi|², which between nearly matched media has fewer digits than the index: as many
+    /// as remain when that is rounded once.
     pub(crate) fn refraction_errors<const N: usize>(
         &self,
         wo: Direction,

@@ -1,4 +1,5 @@
-//! Suite `jacobian` on samplers whose density is known: what it must see, and what it must not take for an error.
+//! Suite `jacobian` on samplers whose density is known: what it must see, and what it must not take for an
+//! error.
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use bxdf_tests::{
@@ -49,8 +50,8 @@ impl Specimen for Paper {
     }
 }
 
-/// Shirley & Chiu, *Journal of Graphics Tools* 2(3), 1997, <https://doi.org/10.1080/10867651.1997.10487479>: it keeps
-/// areas, and has kinks along both diagonals of the square.
+/// Shirley & Chiu, *Journal of Graphics Tools* 2(3), 1997, <https://doi.org/10.1080/10867651.1997.10487479>:
+/// it keeps areas, and has kinks along both diagonals of the square.
 fn concentric_disk(uniforms: [f64; 2]) -> [f64; 2] {
     let [x, y] = uniforms.map(|u| 2.0 * u - 1.0);
     if x == 0.0 && y == 0.0 {
@@ -67,7 +68,8 @@ const PIECES: f64 = 40.0;
 /// Slopes take turns about 1.
 const SLOPES: [f64; 2] = [0.6, 1.4];
 
-/// The first uniform from a table that is interpolated, as samplers have it: kinks within the reach of every step.
+/// The first uniform from a table that is interpolated, as samplers have it: kinks within the reach of every
+/// step.
 fn tabulated([x, y]: [f64; 2]) -> [f64; 2] {
     let pair = 2.0 / PIECES;
     let (start, rest) = (pair * (x / pair).floor(), x % pair);

@@ -1,9 +1,10 @@
-//! The pdf is the density that the sampler's own map gives its directions: no chance is involved, and no histogram sees
-//! as much.
+//! The pdf is the density that the sampler's own map gives its directions: no chance is involved, and no
+//! histogram sees as much.
 //!
-//! Where a direction comes from one pair of uniforms (x, y) only, its density is q / |∂wi/∂x × ∂wi/∂y|, the probability of
-//! its side at (x, y) over √det(JᵀJ), J being the Jacobian matrix of `wi`. Its columns are finite differences, each with a
-//! bound of its error; that of the density follows from the two and from what the pdf owes to rounding.
+//! Where a direction comes from one pair of uniforms (x, y) only, its density is q / |∂wi/∂x × ∂wi/∂y|, the
+//! probability of its side at (x, y) over √det(JᵀJ), J being the Jacobian matrix of `wi`. Its columns are
+//! finite differences, each with a bound of its error; that of the density follows from the two and from what
+//! the pdf owes to rounding.
 
 use super::{Examination, length};
 use crate::Precision;
@@ -163,8 +164,8 @@ fn pieces<T: PartialEq>(precision: Precision, outcome: impl Fn(f64) -> T) -> Vec
     pieces
 }
 
-/// The longest step at a distance from the border of the unit square: most of the way, with all parts multiples of
-/// [`UNIT`].
+/// The longest step at a distance from the border of the unit square: most of the way, with all parts
+/// multiples of [`UNIT`].
 fn longest(distance: f64) -> f64 {
     let part = 2.0 * UNIT / FINEST;
     part * (0.75 * distance / part).floor()
@@ -179,11 +180,13 @@ struct Derivative {
 /// What central differences of one step give, or extrapolations from several.
 struct Difference {
     slope: Direction,
-    /// Half the change of slope at the point itself: it vanishes with the step unless the map has a kink there.
+    /// Half the change of slope at the point itself: it vanishes with the step unless the map has a kink
+    /// there.
     kink: Direction,
     /// The part of the slope that rounding may be.
     noise: f64,
-    /// How far the slope is from those that it was extrapolated from, or a fraction of how far those were from theirs.
+    /// How far the slope is from those that it was extrapolated from, or a fraction of how far those were
+    /// from theirs.
     change: f64,
 }
 
@@ -198,13 +201,15 @@ impl Difference {
     }
 }
 
-/// The derivative at step 0 from central differences, extrapolated from all steps (Ridders, *Advances in Engineering
-/// Software* 4(2), 1982, <https://doi.org/10.1016/S0141-1195(82)80057-0>): the extrapolation of the smallest error. Each
-/// value of `at` is off by `noise` at most. `None` where no three steps in a row lead anywhere.
+/// The derivative at step 0 from central differences, extrapolated from all steps (Ridders, *Advances in
+/// Engineering Software* 4(2), 1982, <https://doi.org/10.1016/S0141-1195(82)80057-0>): the extrapolation of
+/// the smallest error. Each value of `at` is off by `noise` at most. `None` where no three steps in a row
+/// lead anywhere.
 ///
-/// Extrapolations agree with those from fewer steps where the map is smooth. Elsewhere two may agree by accident: so it takes
-/// three steps, none counts as much better than those that it was made from, and two much shorter steps must confirm the best.
-/// Next to a kink all agree on the mean of both slopes: so what they leave of the kink is an error too.
+/// Extrapolations agree with those from fewer steps where the map is smooth. Elsewhere two may agree by
+/// accident: so it takes three steps, none counts as much better than those that it was made from, and two
+/// much shorter steps must confirm the best. Next to a kink all agree on the mean of both slopes: so what
+/// they leave of the kink is an error too.
 fn derivative(
     at: impl Fn(f64) -> Option<Direction>,
     here: Direction,
@@ -289,8 +294,8 @@ mod tests {
         }
     }
 
-    /// A kink, a jump or a change of curvature, at any distance from the point: at the point itself, inside the shortest
-    /// step, between two steps, beyond the longest.
+    /// A kink, a jump or a change of curvature, at any distance from the point: at the point itself, inside
+    /// the shortest step, between two steps, beyond the longest.
     #[test]
     fn a_kink_nearby_is_part_of_the_error() {
         for noise in [f64::EPSILON, 1e-7] {

@@ -57,7 +57,8 @@ fn failure_reads_as_shown() {
         && message.iter().zip(&expected).all(|(line, expected)| {
             let (words, expected): (Vec<_>, Vec<_>) =
                 (line.split(' ').collect(), expected.split(' ').collect());
-            // The largest error in units of what rounding explains is at another point wherever rounding is another.
+            // The largest error in units of what rounding explains is at another point wherever rounding is
+            // another.
             let any_number = line.contains("/jacobian VIOLATED");
             let is_alike = |word: &str, expected: &str| {
                 is_alike(word, expected) || any_number && number(word).is_ok() && number(expected).is_ok()
