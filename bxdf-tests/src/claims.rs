@@ -89,6 +89,7 @@ pub struct Claims {
     /// Sampling can be inverted: a direction that is no delta comes from one pair (x, y) of the second and
     /// third uniform, and from one interval of the first, which only picks among the two sides, deltas and no
     /// sample. So it is where a density has one sampler; in a mixture several lead to the same direction.
+    #[serde(default)]
     pub invertible: bool,
     /// Obeys Helmholtz reciprocity, with η² across a boundary.
     pub reciprocal: bool,
