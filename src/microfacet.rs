@@ -158,6 +158,11 @@ impl<F: Real> Distribution<F> {
         self.alpha_x.max(self.alpha_y)
     }
 
+    /// The smaller roughness.
+    pub fn smallest_alpha(&self) -> F {
+        self.alpha_x.min(self.alpha_y)
+    }
+
     /// The masking–shadowing.
     pub fn shadowing(&self) -> Shadowing {
         self.shadowing

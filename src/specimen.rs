@@ -23,7 +23,7 @@ use crate::lobe::{
     DielectricSpecular, LayerError, Lobe, LobeKind, MicrofacetDielectric, MicrofacetReflection,
     OrenNayarModel,
 };
-use crate::microfacet::{Distribution, NoSmithForm, Shape};
+use crate::microfacet::{Distribution, NoSmithForm, Shadowing, Shape};
 use crate::parameter::OutOfRange;
 use crate::real::{Real, Vector};
 use crate::rgb::Rgb;
@@ -197,9 +197,12 @@ fn promises<F: Real>(lobe: &Lobe<F>, fresnel: Option<Fresnel<F>>) -> Claims {
     let lossless_if =
         |condition| Some(if condition { Energy::Lossless { within: 0.0 } } else { Energy::Conserving });
     match lobe {
-        Lobe::Lambertian(_) => Claims { two_sided: true, ..reflector },
-        Lobe::KullaContyDielectric(_) => Claims { two_sided: true, transmits: true, ..reflector },
-        Lobe::RefractiveLayer(_) | Lobe::KullaContyReflection(_) => reflector,
+        Lobe::Lambertian(_) => Claims { two_sided: true, invertible: true, ..reflector },
+        Lobe::KullaContyReflection(_) => Claims { invertible: true, ..reflector },
+        Lobe::KullaContyDielectric(_) => {
+            Claims { two_sided: true, transmits: true, invertible: true, ..reflector }
+        }
+        Lobe::RefractiveLayer(_) => reflector,
         Lobe::OrenNayar(lobe) => {
             let largest = lobe.reflectance().to_f64().into_iter().fold(0.0, f64::max);
             let energy = match lobe.model() {
@@ -228,7 +231,9 @@ fn promises<F: Real>(lobe: &Lobe<F>, fresnel: Option<Fresnel<F>>) -> Claims {
         }
         Lobe::MicrofacetReflection(lobe) => {
             let isotropic = lobe.distribution().is_isotropic();
-            Claims { isotropic, boundary, microfacet: !lobe.flags().is_delta, ..reflector }
+            let is_delta = lobe.flags().is_delta;
+            let invertible = !is_delta && is_invertible(lobe.distribution());
+            Claims { isotropic, invertible, boundary, microfacet: !is_delta, ..reflector }
         }
         Lobe::MicrofacetDielectric(lobe) => {
             let is_delta = lobe.flags().is_delta;
@@ -236,6 +241,7 @@ fn promises<F: Real>(lobe: &Lobe<F>, fresnel: Option<Fresnel<F>>) -> Claims {
                 two_sided: true,
                 transmits: true,
                 isotropic: lobe.distribution().is_isotropic(),
+                invertible: !is_delta && is_invertible(lobe.distribution()),
                 energy: lossless_if(is_delta && lobe.is_lossless()),
                 boundary,
                 microfacet: !is_delta,
@@ -243,6 +249,14 @@ fn promises<F: Real>(lobe: &Lobe<F>, fresnel: Option<Fresnel<F>>) -> Claims {
             }
         }
     }
+}
+
+/// Whether a visible normal comes from one pair of uniforms, and the precision resolves the lobe about it. Of
+/// a V-cavity it may be on either wall.
+fn is_invertible<F: Real>(distribution: &Distribution<F>) -> bool {
+    let is_resolved =
+        precision::<F>() == Precision::F64 || distribution.smallest_alpha().to_f64() >= ALPHA.low;
+    distribution.shadowing() != Shadowing::VCavity && is_resolved
 }
 
 fn mode(transport: Transport) -> TransportMode {

@@ -135,7 +135,7 @@ fn verdicts_do_not_depend_on_threads_and_do_on_the_seed() {
     assert_ne!(one, run(&["--seed", "1"]));
     let verdicts: serde_json::Value = serde_json::from_str(&one).unwrap();
     assert_eq!(verdicts["schema"], "gonio-verdicts/3");
-    assert_eq!(verdicts["verdicts"].as_array().unwrap().len(), 2 * 2 * 8 + 2 * 7);
+    assert_eq!(verdicts["verdicts"].as_array().unwrap().len(), 2 * 2 * 9 + 2 * 8);
 }
 
 #[test]

@@ -86,6 +86,11 @@ pub struct Claims {
     pub transmits: bool,
     /// Does not change under rotation about the normal.
     pub isotropic: bool,
+    /// Sampling can be inverted: a direction that is no delta comes from one pair (x, y) of the second and
+    /// third uniform, and from one interval of the first, which only picks among the two sides, deltas and no
+    /// sample. So it is where a density has one sampler; in a mixture several lead to the same direction.
+    #[serde(default)]
+    pub invertible: bool,
     /// Obeys Helmholtz reciprocity, with η² across a boundary.
     pub reciprocal: bool,
     /// The energy that it returns, if it promises anything about that.
@@ -99,13 +104,15 @@ pub struct Claims {
 }
 
 impl Claims {
-    /// The claims of an ordinary reflector: one-sided, isotropic, reciprocal, conserving energy.
+    /// The claims of an ordinary reflector: one-sided, isotropic, reciprocal, conserving energy. That
+    /// sampling can be inverted is for its author to say.
     pub fn reflector(precision: Precision) -> Self {
         Self {
             precision,
             two_sided: false,
             transmits: false,
             isotropic: true,
+            invertible: false,
             reciprocal: true,
             energy: Some(Energy::Conserving),
             boundary: None,

@@ -114,6 +114,7 @@ impl Examination<'_> {
                 let diagnosis = self.weights(&verdict).or_else(|| self.counts(&verdict).1);
                 (None, diagnosis, self.smallest(verdict.suite))
             }
+            Suite::Jacobian => (None, self.counts(&verdict).1, None),
             Suite::Weight => (None, self.weights(&verdict), self.simplest(&verdict)),
             Suite::Reciprocal => (None, self.exchange(), self.simplest(&verdict)),
             Suite::Finite => (None, None, self.simplest(&verdict)),

@@ -5,6 +5,7 @@ mod energy;
 mod finite;
 mod fresnel;
 mod isotropic;
+mod jacobian;
 mod microfacet;
 mod normalised;
 mod reciprocal;
@@ -108,6 +109,7 @@ suites! {
     Normalised normalised: "∫ pdf + Σ delta masses + P(no sample) = 1; 1 / pdf of the samples averages to solid angles", if always;
     ChiSquare chi_square: "samples follow the pdf, the deltas and the rate of no sample", if always;
     Weight weight: "weight · pdf = f · |cos θi|, and the reported density is the pdf", if always;
+    Jacobian jacobian: "the pdf is 1 / √det(JᵀJ), the density that the map from uniforms gives its directions", if |claims: &Claims| claims.invertible;
     Reciprocal reciprocal: "f(wo, wi) = f(wi, wo); across a boundary what importance carries forth radiance carries back", if |claims: &Claims| claims.reciprocal;
     Isotropic isotropic: "turning both directions about the normal changes nothing", if |claims: &Claims| claims.isotropic;
     Energy energy: "no more energy leaves than arrives; two estimates of the albedo agree", if always;
@@ -466,6 +468,27 @@ impl<'a> Examination<'a> {
             }
         }
         changes
+    }
+
+    /// [`Self::index_errors`] about the facet that refracts, of values that have the Jacobian of refraction
+    /// in them.
+    ///
+    /// That is 1 / |wo + η wi|², which between nearly matched media has fewer digits than the index: as many
+    /// as remain when that is rounded once.
+    pub(crate) fn refraction_errors<const N: usize>(
+        &self,
+        wo: Direction,
+        scatter: &Scatter,
+        values: [f64; N],
+        g: impl Fn(Direction) -> [f64; N],
+    ) -> [f64; N] {
+        if scatter.eta == 1.0 {
+            return [0.0; N];
+        }
+        let sum: Direction = core::array::from_fn(|i| wo[i] + scatter.eta * scatter.wi[i]);
+        let jacobian = 2.0 * self.claims.precision.epsilon() / length(sum);
+        let changes = self.index_errors(scatter, normalized(sum), values, g);
+        core::array::from_fn(|i| changes[i] + jacobian * values[i])
     }
 }
 

@@ -41,7 +41,7 @@ impl<F: Real> Bxdf<F> for Lunar<F> {
 
 fn lunar<F: Real>() -> BxdfSpecimen<F> {
     let albedo = Rgb([1.0, 0.5, 0.0].map(F::from_f64));
-    let claims = Claims { two_sided: true, ..Claims::reflector(precision::<F>()) };
+    let claims = Claims { two_sided: true, invertible: true, ..Claims::reflector(precision::<F>()) };
     BxdfSpecimen::new("lunar", Arc::new(Lunar { albedo }), claims)
 }
 
@@ -53,9 +53,9 @@ fn the_lobe_of_the_readme_conforms_in_both_precisions() {
     let failed = verdicts.iter().filter(|verdict| verdict.outcome != Outcome::Holds);
     let failures: Vec<_> = failed.map(Verdict::to_string).collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
-    // Finite, normalised, χ², weight, reciprocal, isotropic and energy.
+    // Finite, normalised, χ², weight, jacobian, reciprocal, isotropic and energy.
     let suites = |Verdict { specimen, .. }: &&Verdict| specimen == "lunar/f64";
-    assert_eq!(verdicts.iter().filter(suites).count(), 7);
+    assert_eq!(verdicts.iter().filter(suites).count(), 8);
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn float3(w: Direction) -> renderer::Float3 {
 
 impl Specimen for Adapter {
     fn claims(&self) -> Claims {
-        Claims::reflector(Precision::F32)
+        Claims { invertible: true, ..Claims::reflector(Precision::F32) }
     }
     fn eval(&self, wo: Direction, wi: Direction, _: Transport) -> [f64; 3] {
         [self.0.evaluate(float3(wo), float3(wi)).into(); 3]
@@ -93,6 +93,7 @@ fn a_density_of_another_exponent_is_found() {
     let examination = Examination::new(&broken, &plan);
     let outcome = |suite| examination.verdict(suite).map(|verdict| verdict.outcome);
     assert_eq!(outcome(Suite::ChiSquare), Some(Outcome::Violated));
+    assert_eq!(outcome(Suite::Jacobian), Some(Outcome::Violated));
     assert_eq!(outcome(Suite::Finite), Some(Outcome::Holds));
 }
 

@@ -81,6 +81,7 @@ impl Specimen for RoughGlass {
             two_sided: true,
             transmits: true,
             isotropic: self.distribution.is_isotropic(),
+            invertible: true,
             boundary: Some(Boundary { eta: [self.eta; 3], k: [0.0; 3] }),
             microfacet: true,
             ..Claims::reflector(Precision::F64)

@@ -192,7 +192,7 @@ impl Specimen for DrawnPaper {
         self.name.into()
     }
     fn claims(&self) -> Claims {
-        Claims::reflector(Precision::F64)
+        Claims { invertible: true, ..Claims::reflector(Precision::F64) }
     }
     fn eval(&self, wo: Direction, wi: Direction, _: Transport) -> [f64; 3] {
         [above(wo, wi, FRAC_1_PI); 3]
@@ -227,7 +227,8 @@ impl Specimen for MirroredPaper {
         "mirrored_paper".into()
     }
     fn claims(&self) -> Claims {
-        Claims { energy: Some(Energy::Lossless { within: 0.0 }), ..Claims::reflector(Precision::F64) }
+        let energy = Some(Energy::Lossless { within: 0.0 });
+        Claims { invertible: true, energy, ..Claims::reflector(Precision::F64) }
     }
     fn eval(&self, wo: Direction, wi: Direction, _: Transport) -> [f64; 3] {
         [above(wo, wi, (1.0 - MIRROR) * FRAC_1_PI); 3]

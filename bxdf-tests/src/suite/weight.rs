@@ -92,27 +92,16 @@ pub(super) fn compare(
     match scatter.density {
         Measure::SolidAngle(reported) => {
             let expected = pdf(wi);
-            // The facet that refracts; of a reflection this is not asked.
-            let sum: Direction = core::array::from_fn(|i| wo[i] + scatter.eta * wi[i]);
-            let facet = normalized(sum);
-            // The Jacobian of refraction is 1 / |wo + η wi|², which between nearly matched media has fewer digits than the
-            // index: as many as remain when that is rounded once.
-            let jacobian = if scatter.eta == 1.0 {
-                0.0
-            } else {
-                2.0 * claims.precision.epsilon() / sum.iter().map(|x| x * x).sum::<f64>().sqrt()
-            };
-            let [bending] = examination.index_errors(scatter, facet, [expected], |w| [pdf(w)]);
-            let allowed = examination.rounding_error(wi, expected, pdf) + bending + jacobian * expected;
+            let [bending] = examination.refraction_errors(wo, scatter, [expected], |w| [pdf(w)]);
+            let allowed = examination.rounding_error(wi, expected, pdf) + bending;
             let what = "reported density against pdf [1/sr]";
             ledger.record(Check::new(what, (reported - expected).abs(), allowed, witness));
             let expected = f_cos(wi);
             let rounding = examination.rounding_errors(wi, expected, f_cos);
-            let bending = examination.index_errors(scatter, facet, expected, f_cos);
+            let bending = examination.refraction_errors(wo, scatter, expected, f_cos);
             for channel in 0..3 {
                 let weight = scatter.weight[channel];
-                let allowed =
-                    rounding[channel] + bending[channel] + jacobian * expected[channel] + weight * allowed;
+                let allowed = rounding[channel] + bending[channel] + weight * allowed;
                 let error = (weight * reported - expected[channel]).abs();
                 // An infinite weight would allow itself.
                 let error = if allowed.is_finite() { error } else { f64::NAN };

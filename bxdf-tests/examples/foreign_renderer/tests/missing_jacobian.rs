@@ -57,16 +57,25 @@ fn failure_reads_as_shown() {
         && message.iter().zip(&expected).all(|(line, expected)| {
             let (words, expected): (Vec<_>, Vec<_>) =
                 (line.split(' ').collect(), expected.split(' ').collect());
+            // The largest error in units of what rounding explains is at another point wherever rounding is
+            // another.
+            let any_number = line.contains("/jacobian VIOLATED");
+            let is_alike = |word: &str, expected: &str| {
+                is_alike(word, expected) || any_number && number(word).is_ok() && number(expected).is_ok()
+            };
             words.len() == expected.len()
                 && words.iter().zip(expected).all(|(word, expected)| is_alike(word, expected))
         });
     assert!(is_as_shown, "missing_jacobian.txt shows another failure than this:\n{}", message.join("\n"));
 }
 
+fn number(word: &str) -> Result<f64, std::num::ParseFloatError> {
+    word.trim_matches(['(', ')', ',', '+']).parse()
+}
+
 /// Processors and mathematical libraries round differently: a number may differ by 1 %, a character of the
 /// map by one.
 fn is_alike(word: &str, expected: &str) -> bool {
-    let number = |word: &str| word.trim_matches(['(', ')', ',', '+']).parse::<f64>();
     if let (Ok(x), Ok(y)) = (number(word), number(expected)) {
         return x == y || (x - y).abs() <= 0.01 * y.abs();
     }

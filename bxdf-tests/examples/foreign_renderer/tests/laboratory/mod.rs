@@ -18,6 +18,7 @@ pub struct Material<B> {
 pub fn claims(eta: [f32; 3], k: [f32; 3]) -> Claims {
     Claims {
         two_sided: true,
+        invertible: true,
         boundary: Some(Boundary { eta: eta.map(f64::from), k: k.map(f64::from) }),
         microfacet: true,
         ..Claims::reflector(Precision::F32)
