@@ -34,6 +34,18 @@ fn planted_bugs_are_caught_by_the_suites_that_must_and_twins_hold() {
     assert!(check.count(Search::NeedsMoreSamples) <= 4);
 }
 
+/// Millions of samples are the price of a histogram.
+#[test]
+fn bugs_that_need_more_samples_are_found_without_any() {
+    let beyond_reach = PlantedBug::ALL.iter().filter(|bug| bug.samples > Plan::DEFAULT_SAMPLES);
+    for bug in beyond_reach {
+        let mutant = bug.mutant().unwrap();
+        let verdict = verdict_on(&*mutant, Suite::Jacobian);
+        assert_eq!(verdict.outcome, Outcome::Violated, "{}: {verdict}", bug.name);
+        assert_eq!(verdict.samples, 0);
+    }
+}
+
 /// What contradicts no claim still changes f: reference values see it.
 #[test]
 fn bugs_beyond_the_claims_change_the_value() {
