@@ -300,11 +300,14 @@ fn parted(points: &mut [Pilot], is_first: impl Fn(&Pilot) -> bool) -> (&mut [Pil
 
 /// The rectangle that holds the middle four fifths of the points along each axis: one stray point in the tail
 /// of a lobe must not stretch it.
-fn around(points: &mut [Pilot]) -> Option<Rectangle> {
+fn around(points: &[Pilot]) -> Option<Rectangle> {
     let last = points.len().checked_sub(1)?;
     let [first, second] = [0, 1].map(|axis| {
-        points.sort_by(|a, b| a.point.at[axis].total_cmp(&b.point.at[axis]));
-        [points[last / 10].point.at[axis], points[last - last / 10].point.at[axis]]
+        let mut coordinates: Vec<f64> = points.iter().map(|pilot| pilot.point.at[axis]).collect();
+        let (_, &mut low, rest) = coordinates.select_nth_unstable_by(last / 10, f64::total_cmp);
+        let above = last - 2 * (last / 10);
+        let high = if above == 0 { low } else { *rest.select_nth_unstable_by(above - 1, f64::total_cmp).1 };
+        [low, high]
     });
     Some(Rectangle { low: [first[0], second[0]], high: [first[1], second[1]] })
 }

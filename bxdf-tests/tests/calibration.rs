@@ -220,7 +220,8 @@ fn no_correct_specimen_is_accused() {
                         .collect::<Vec<_>>()
                 })
                 .collect();
-            println!("  {}: {} directions", specimen.name(), examination.trials().count());
+            let directions = examination.trials().count();
+            println!("  {}: {directions} directions, {} violations", specimen.name(), accused.len());
             accused
         })
         .collect();
