@@ -21,6 +21,10 @@ const LEAST_CELLS: usize = 16;
 const LEAST_MASS: f64 = 0.02;
 /// Error of the expected count, squared and in units of its variance, above which cells are pooled.
 const POOLED_ABOVE: f64 = 0.25;
+/// The same of the no-sample cell, above which it is left out: p-values would be noticeably too large.
+const BLURRED_ABOVE: f64 = 0.0025;
+/// Error of an expected count that does not matter to the row that it is pooled with.
+const NEGLIGIBLE: f64 = 0.25;
 /// The error of the expected counts may reach this fraction of the statistic's standard deviation.
 const TOLERATED: f64 = 0.25;
 
@@ -142,8 +146,8 @@ fn placed(survey: &Survey, rows: &[Row]) -> Vec<Placed> {
 
 /// The rows at one resolution, and how many samples they are about.
 ///
-/// The no-sample cell takes what is left of 1 and so inherits the errors of all cells. Where that is too much
-/// (single precision at grazing angles) the table is conditioned on the samples that came out; suite
+/// The no-sample cell takes what is left of 1 and so inherits the errors of all cells. Where that would blur the statistic
+/// (edges and grazing angles, single precision above all) the table is conditioned on the samples that came out; suite
 /// `normalised` examines the rate itself.
 fn table(examination: &Examination<'_>, survey: &Survey, tally: &Tally, level: usize) -> (Vec<Row>, f64) {
     let mut rows = vec![Row::default(); survey.partition.groups[level]];
@@ -158,7 +162,12 @@ fn table(examination: &Examination<'_>, survey: &Survey, tally: &Tally, level: u
     let [probability, error] = survey.no_sample(examination.claims.precision);
     let none = Row { probability: probability.max(0.0), error, observed: tally.none };
     let samples = tally.samples as f64;
-    if is_poor(&none, samples) && samples * error > 1.0 {
+    let is_blurred = if samples * none.probability < POOLED_BELOW {
+        samples * error > NEGLIGIBLE
+    } else {
+        samples * error * error > BLURRED_ABOVE * none.probability
+    };
+    if is_blurred {
         let rest = rows.iter().map(|row| row.probability).sum::<f64>();
         for row in &mut rows {
             row.probability /= rest;
