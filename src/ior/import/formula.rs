@@ -1,0 +1,122 @@
+//! The dispersion formulas of the database.
+//!
+//! As in its "Dispersion formulas" document (doc/Dispersion formulas.pdf, 2014) and its own viewer: λ in
+//! micrometres, coefficients that are missing are zero. A term whose numerator is zero is left out: formula 4 without
+//! its second fraction is otherwise 0/(λ² − 0⁰), which is 0/0 at λ = 1 µm.
+
+use super::{Code, Problem};
+
+/// Rows that a formula may be sampled with; a page that needs more has a pole in its range.
+const MOST_ROWS: usize = 100_000;
+
+/// A dispersion formula over a range of wavelengths.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Formula {
+    /// Line of its coefficients.
+    pub(super) line: usize,
+    /// 1 to 9.
+    pub(super) number: usize,
+    pub(super) coefficients: Vec<f64>,
+    pub(super) range_nm: [f64; 2],
+}
+
+impl Formula {
+    /// Most coefficients that each formula has.
+    pub(super) const MOST_COEFFICIENTS: [usize; 9] = [17, 17, 17, 17, 11, 11, 6, 4, 6];
+
+    /// Whether the coefficient of this index, from 0, is the first of a pair that must be complete.
+    pub(super) fn needs_partner(number: usize, index: usize) -> bool {
+        match number {
+            1..=3 | 5 | 6 => index % 2 == 1,
+            4 => index >= 9 && index % 2 == 1,
+            _ => false,
+        }
+    }
+
+    /// Real part of the index at a wavelength.
+    pub(super) fn at(&self, wavelength_nm: f64) -> Result<f64, Problem> {
+        let um = wavelength_nm / 1e3;
+        let (square, value) = self.value(um);
+        let failed = |what: String| {
+            let text = format!("formula {} gives {what} at {um} µm, within its range", self.number);
+            Problem::at(self.line, Code::OutOfRange, text + "; correct the coefficients or the range")
+        };
+        if square && value < 0.0 {
+            return Err(failed(format!("n² = {value}, which is negative,")));
+        }
+        let n = if square { libm::sqrt(value) } else { value };
+        if n > 0.0 && n <= 1e3 { Ok(n) } else { Err(failed(format!("n = {n}, not in (0, 1000],"))) }
+    }
+
+    /// n², and true; or n, and false.
+    fn value(&self, um: f64) -> (bool, f64) {
+        let c = |i: usize| self.coefficients.get(i - 1).copied().unwrap_or(0.0);
+        let power = libm::pow;
+        let square = um * um;
+        let term = |numerator: f64, rest: f64| if numerator == 0.0 { 0.0 } else { numerator * rest };
+        // The sum over pairs of coefficients from the second on.
+        let pairs = |f: &dyn Fn(f64) -> f64| -> f64 {
+            (2..=self.coefficients.len()).step_by(2).map(|i| term(c(i), f(c(i + 1)))).sum()
+        };
+        match self.number {
+            1 => (true, 1.0 + c(1) + pairs(&|b| square / (square - b * b))),
+            2 => (true, 1.0 + c(1) + pairs(&|b| square / (square - b))),
+            3 => (true, c(1) + pairs(&|exponent| power(um, exponent))),
+            4 => {
+                let fraction = |i| term(c(i), power(um, c(i + 1)) / (square - power(c(i + 2), c(i + 3))));
+                let powers = (10..=16).step_by(2).map(|i| term(c(i), power(um, c(i + 1))));
+                (true, c(1) + fraction(2) + fraction(6) + powers.sum::<f64>())
+            }
+            5 => (false, c(1) + pairs(&|exponent| power(um, exponent))),
+            6 => (false, 1.0 + c(1) + pairs(&|b| 1.0 / (b - 1.0 / square))),
+            7 => {
+                let l = 1.0 / (square - 0.028);
+                let powers = c(4) * square + c(5) * square * square + c(6) * square * square * square;
+                (false, c(1) + term(c(2), l) + term(c(3), l * l) + powers)
+            }
+            8 => {
+                let x = c(1) + term(c(2), square / (square - c(3))) + c(4) * square;
+                (true, (1.0 + 2.0 * x) / (1.0 - x))
+            }
+            _ => {
+                let shifted = um - c(5);
+                let rational = term(c(4), shifted / (shifted * shifted + c(6)));
+                (true, c(1) + term(c(2), 1.0 / (square - c(3))) + rational)
+            }
+        }
+    }
+
+    /// Rows (wavelength \[nm\], n) between which a straight line leaves n − 1 by no more than 1e-5 of itself.
+    pub(super) fn rows(&self) -> Result<Vec<[f64; 2]>, Problem> {
+        /// Intervals to begin with, of equal ratio: ranges reach over decades.
+        const INTERVALS: u32 = 32;
+        let [low, high] = self.range_nm;
+        let row = |nm| Ok([nm, self.at(nm)?]);
+        let mut rows = vec![row(low)?];
+        let mut ends = vec![row(high)?];
+        for i in (1..INTERVALS).map(f64::from) {
+            ends.push(row(low * libm::pow(high / low, 1.0 - i / f64::from(INTERVALS)))?);
+        }
+        while let (Some(&b), Some(&a)) = (ends.last(), rows.last()) {
+            let mut inner = [[0.0; 2]; 3];
+            let mut straight = true;
+            for (row, t) in inner.iter_mut().zip([0.25, 0.5, 0.75]) {
+                let nm = a[0] + t * (b[0] - a[0]);
+                *row = [nm, self.at(nm)?];
+                let off = row[1] - (a[1] + t * (b[1] - a[1]));
+                straight &= off.abs() <= 1e-5 * (row[1] - 1.0).abs() + 1e-9;
+            }
+            if straight {
+                rows.extend(ends.pop());
+            } else {
+                ends.push(inner[1]);
+            }
+            if rows.len() + ends.len() > MOST_ROWS || inner[1][0] <= a[0] {
+                let text = format!("formula {} has a pole near {} µm", self.number, a[0] / 1e3);
+                let text = text + ", within its range; correct the coefficients or the range";
+                return Err(Problem::at(self.line, Code::OutOfRange, text));
+            }
+        }
+        Ok(rows)
+    }
+}
