@@ -288,7 +288,8 @@ fn import(path: &Path, output: &Path, overwrite: bool) -> Result<ExitCode, Failu
     let read = pages.len();
     if read + refused.len() == 0 {
         let path = path.display();
-        let text = format!("no pages in {path}; expected a checkout with database/catalog-nk.yml, or *.yml files");
+        let text =
+            format!("no pages in {path}; expected a checkout with database/catalog-nk.yml, or *.yml files");
         return Err(text.into());
     }
     for message in &refused {

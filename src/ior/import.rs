@@ -134,7 +134,8 @@ pub struct Page {
 /// If nothing can be read there, or the catalogue is not one.
 pub fn find(path: &Path) -> Result<Sources, Message> {
     let catalogues = ["catalog-nk.yml", "catalog.yml", "library.yml"];
-    let is_catalogue = |path: &Path| path.file_name().is_some_and(|name| catalogues.iter().any(|c| name == *c));
+    let is_catalogue =
+        |path: &Path| path.file_name().is_some_and(|name| catalogues.iter().any(|c| name == *c));
     if path.is_file() {
         if is_catalogue(path) {
             return listed(path);
@@ -221,7 +222,9 @@ fn listed(catalogue: &Path) -> Result<Sources, Message> {
                 continue;
             };
             let path = PathBuf::from(path);
-            if path.as_os_str().is_empty() || !path.components().all(|part| matches!(part, Component::Normal(_))) {
+            if path.as_os_str().is_empty()
+                || !path.components().all(|part| matches!(part, Component::Normal(_)))
+            {
                 refuse(node.line, format!("`{}` leads out of the database", path.display()));
             } else if seen.insert(path.clone()) {
                 let places = ["data", "data-nk", ""].map(|place| folder.join(place).join(&path));
@@ -256,19 +259,27 @@ impl Page {
     /// # Errors
     /// If it is not YAML of the database's schema, or gives no table of η and k.
     pub fn read(source: &Source) -> Result<Self, Message> {
-        let bytes = read_file(&source.file)?;
+        Self::parse(source, &read_file(&source.file)?)
+    }
+
+    /// Reads a page whose file holds these bytes.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn parse(source: &Source, bytes: &[u8]) -> Result<Self, Message> {
         let in_file = |problem: Problem| problem.in_file(&source.file);
-        let root = yaml::parse(&bytes).map_err(in_file)?;
+        let root = yaml::parse(bytes).map_err(in_file)?;
         let (table, notes) = table(&root, source).map_err(in_file)?;
         let mut heading = vec![format!("refractiveindex.info: {}", source.path.display())];
         heading.extend((!source.title.is_empty()).then(|| source.title.clone()));
         // The licence stands in the comment at the beginning of a page.
-        let text = String::from_utf8_lossy(&bytes);
+        let text = String::from_utf8_lossy(bytes);
         let comment = text.trim_start_matches('\u{feff}').lines().take_while(|line| line.starts_with('#'));
         heading.extend(comment.map(|line| line.trim_start_matches('#').trim().to_owned()));
         if let Some(map) = root.map() {
             for key in ["REFERENCES", "COMMENTS"] {
-                let lines = map.get(key).and_then(|(_, node)| node.text()).into_iter().flat_map(|t| t.lines());
+                let lines =
+                    map.get(key).and_then(|(_, node)| node.text()).into_iter().flat_map(|t| t.lines());
                 heading.extend(lines.map(|(_, line)| format!("{key}: {line}")));
             }
             for key in ["CONDITIONS", "SPECS"] {
@@ -296,7 +307,8 @@ fn table(root: &Node, source: &Source) -> Result<(Table, Vec<Problem>), Problem>
     const CONDITIONS: [&str; 6] =
         ["temperature", "pressure", "direction", "film_thickness", "n_absolute", "wavelength_vacuum"];
     let schema = |line, text: String| Problem::at(line, Code::Schema, text);
-    let map = root.map().ok_or_else(|| schema(root.line, format!("expected the keys {}", KEYS.join(", "))))?;
+    let map =
+        root.map().ok_or_else(|| schema(root.line, format!("expected the keys {}", KEYS.join(", "))))?;
     let (line, data) = map.get("DATA").ok_or_else(|| {
         let hint = did_you_mean("DATA", map.keys().map(String::as_str));
         schema(root.line, format!("the page has no DATA{hint}"))

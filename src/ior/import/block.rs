@@ -61,7 +61,10 @@ pub(super) fn read(node: &Node) -> Result<Block, Problem> {
         ["formula", number] if matches!(number.parse(), Ok(1_usize..=9)) => {
             let number = number.parse().unwrap_or_default();
             let formula = formula(map, number, line)?;
-            Block { n: Some(Curve { line, rows: formula.rows()?, formula: Some(formula) }), ..Block::default() }
+            Block {
+                n: Some(Curve { line, rows: formula.rows()?, formula: Some(formula) }),
+                ..Block::default()
+            }
         }
         ["tabulated" | "formula", ref what @ ..] if what.iter().any(|what| what.contains("n2")) => {
             let text = "the nonlinear index n2, which is no index of refraction; import the page with n";
@@ -95,7 +98,8 @@ fn table(columns: &str, data: &Text, line: usize) -> Result<Block, Problem> {
     for (line, text) in data.lines() {
         let cells: Vec<&str> = text.split_whitespace().collect();
         if cells.len() != columns.len() + 1 {
-            let text = format!("{} figures in a row of `tabulated {columns}`; expected {expected}", cells.len());
+            let text =
+                format!("{} figures in a row of `tabulated {columns}`; expected {expected}", cells.len());
             return Err(Problem::at(line, Code::Table, text));
         }
         let mut row = vec![nanometres(line, cells[0])?];
@@ -184,7 +188,8 @@ fn formula(map: &Map, number: usize, line: usize) -> Result<Formula, Problem> {
         && *value != 0.0
         && Formula::needs_partner(number, coefficients.len() - 1)
     {
-        let text = format!("coefficient {} is {value} and lacks the other one of its pair", coefficients.len());
+        let text =
+            format!("coefficient {} is {value} and lacks the other one of its pair", coefficients.len());
         return failed(text + "; add it");
     }
     Ok(Formula { line, number, coefficients, range_nm })
@@ -198,7 +203,8 @@ fn range(map: &Map, key: &str, line: usize) -> Result<(usize, [f64; 2]), Problem
     let (line, text) = text_of(map, key, line)?;
     let cells: Vec<&str> = text.as_str().split_whitespace().collect();
     let [low, high] = cells[..] else {
-        let text = format!("`{key}` has {} figures; expected shortest and longest wavelength [µm]", cells.len());
+        let text =
+            format!("`{key}` has {} figures; expected shortest and longest wavelength [µm]", cells.len());
         return Err(Problem::at(line, Code::Formula, text));
     };
     let range = [nanometres(line, low)?, nanometres(line, high)?];

@@ -120,3 +120,81 @@ impl Formula {
         Ok(rows)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    fn formula(number: usize, coefficients: &[f64], range_nm: [f64; 2]) -> Formula {
+        Formula { line: 1, number, coefficients: coefficients.to_vec(), range_nm }
+    }
+
+    /// Coefficients of pages of the database, and n computed from the printed equations outside of this program.
+    #[test]
+    fn val_every_formula() {
+        let cases: [(usize, &[f64], f64, f64); 11] = [
+            // Sapphire, ordinary ray: Malitson and Dodge 1972.
+            (
+                1,
+                &[0.0, 1.4313493, 0.0726631, 0.65054713, 0.1193242, 5.3414021, 18.028251],
+                0.5875618,
+                1.768172093292356,
+            ),
+            // Schott N-BK7; its data sheet: 1.51680.
+            (
+                2,
+                &[0.0, 1.03961212, 0.00600069867, 0.231792344, 0.0200179144, 1.01046945, 103.560653],
+                0.5875618,
+                1.5168000345005885,
+            ),
+            // PMMA: Beadie 2015.
+            (
+                3,
+                &[
+                    2.1778, 6.1209e-3, 2.0, -1.5004e-3, 4.0, 2.3678e-2, -2.0, -4.2137e-3, -4.0, 7.3417e-4,
+                    -6.0, -4.5042e-5, -8.0,
+                ],
+                0.5875618,
+                1.4925274362752206,
+            ),
+            // Rutile, ordinary ray: Devore 1951, whose table says 2.613 at the sodium D line.
+            (4, &[5.913, 0.2441, 0.0, 0.0803, 1.0, 0.0, 0.0, 0.0, 1.0], 0.5893, 2.612913999089378),
+            // The same without the coefficients that are zero, where λ² − 0⁰ = 0.
+            (4, &[5.913, 0.2441, 0.0, 0.0803, 1.0], 1.0, 2.485641292414243),
+            // Norland optical adhesive 61; its maker: 1.56.
+            (5, &[1.5375, 0.00829045, -2.0, -0.000211046, -4.0], 0.5875618, 1.5597435859249962),
+            // Air: Ciddor 1996.
+            (6, &[0.0, 0.05792105, 238.0185, 0.00167917, 57.362], 0.5893, 1.000277147315978),
+            // Argon: Bideau-Mehu 1981.
+            (6, &[0.0, 2.50141e-3, 91.012, 5.00283e-4, 87.892, 5.22343e-2, 214.02], 0.5, 1.000283422366243),
+            // Silicon: Edwards and Ochoa 1980; the sixth coefficient is missing.
+            (7, &[3.41983, 0.159906, -0.123109, 1.26878e-6, -1.95104e-9], 10.0, 3.421524557665201),
+            // Silver bromide: Schröter 1931.
+            (8, &[0.452505, 0.09939, 0.070537, -0.00015], 0.589, 2.257365444285956),
+            // Urea, extraordinary ray: Rosker 1985.
+            (9, &[2.51527, 0.024, 0.03, 0.02, 1.52, 0.8771], 0.5893, 1.6063115648309017),
+        ];
+        for (number, coefficients, um, n) in cases {
+            let at = formula(number, coefficients, [100.0, 20_000.0]).at(um * 1e3).unwrap();
+            assert_abs_diff_eq!(at, n, epsilon = 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_straight_line_between_rows_leaves_the_formula_by_1e_5_of_n_minus_1() {
+        let air = formula(6, &[0.0, 0.05792105, 238.0185, 0.00167917, 57.362], [230.0, 1690.0]);
+        let silica = [0.0, 0.6961663, 0.0684043, 0.4079426, 0.1162414, 0.8974794, 9.896161];
+        for formula in [air, formula(1, &silica, [210.0, 6700.0])] {
+            let rows = formula.rows().unwrap();
+            assert_eq!([rows[0][0], rows[rows.len() - 1][0]], formula.range_nm);
+            for pair in rows.windows(2) {
+                for t in (1..20).map(|i| f64::from(i) / 20.0) {
+                    let n = formula.at(pair[0][0] + t * (pair[1][0] - pair[0][0])).unwrap();
+                    let line = pair[0][1] + t * (pair[1][1] - pair[0][1]);
+                    assert!((n - line).abs() <= 1.05e-5 * (n - 1.0) + 1e-9, "{pair:?}: {n} {line}");
+                }
+            }
+        }
+    }
+}
