@@ -36,14 +36,14 @@ fn parse(text: &str) -> Result<Page, gonio::ior::import::Message> {
 
 #[test]
 fn val_pages_give_the_tables_that_are_built_in() {
-    // Our tables of formulas have a row every 5 nm; metals and k have the rows of the source.
+    // Our tables of formulas have a row every 5 nm, that of air six decimals; metals and k have the rows of the source.
     for (path, name, eta_tolerance, k_tolerance) in [
         ("main/Al2O3/nk/Malitson-o.yml", "sapphire/Malitson-1972-o", 2e-5, 0.0),
         ("main/C/nk/Peter.yml", "diamond/Peter-1923", 2e-5, 0.0),
         ("main/Fe/nk/Johnson.yml", "iron/Johnson-1974", 0.0, 0.0),
         ("main/TiO2/nk/Devore-o.yml", "rutile/DeVore-1951-o", 2e-5, 0.0),
         ("organic/(C5H8O2)n - poly(methyl methacrylate)/nk/Beadie.yml", "pmma/Beadie-2015", 1e-5, 0.0),
-        ("other/mixed gases/air/nk/Ciddor.yml", "air/Ciddor-1996", 1e-8, 0.0),
+        ("other/mixed gases/air/nk/Ciddor.yml", "air/Ciddor-1996", 5.1e-7, 0.0),
         ("specs/schott/optical/N-BK7.yml", "n_bk7/Schott-2017", 1e-5, 1e-12),
         ("glass/schott/N-BK7.yml", "n_bk7/Schott-2017", 1e-5, 1e-12),
         ("specs/schott/optical/N-SF11.yml", "n_sf11/Schott-2017", 2e-5, 1e-12),
@@ -307,7 +307,7 @@ fn losses_are_told_and_written_into_the_table() {
     assert_eq!(page.table.range_nm(), [500.0, 1000.0]);
     assert_abs_diff_eq!(page.table.at(1000.0).unwrap().k, 0.2, epsilon = 1e-15);
     let csv = page.csv();
-    assert!(csv.contains("# CONDITIONS: temprature: 293\n# CONDITIONS: substrate: glass\n"), "{csv}");
+    assert!(csv.contains("# CONDITIONS: substrate: glass\n# CONDITIONS: temprature: 293\n"), "{csv}");
     assert!(csv.contains("500 to 1000 nm are kept\n"), "{csv}");
 }
 
