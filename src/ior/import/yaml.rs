@@ -76,7 +76,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Node, Problem> {
         let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
         Problem::at(line, Code::Syntax, "not UTF-8; save the file in that encoding")
     })?;
-    let mut parser = Parser::new_from_str(text.trim_start_matches('\u{feff}'));
+    let mut parser = Parser::new_from_str(text);
     let mut open: Vec<(usize, Open)> = Vec::new();
     let mut root = None;
     while let Some(event) = parser.next_event() {
