@@ -1,7 +1,10 @@
 //! Pages of the refractiveindex.info database, real and broken, through the library and the command line.
 //!
-//! `tests/refractiveindex` holds pages as they stood in the database at several times (CC0-1.0), with every type of
-//! block and every formula, under a catalogue of our own.
+//! `tests/refractiveindex` holds pages as they stood in the database at several times
+//! (github.com/polyanskiy/refractiveindex.info-database, CC0-1.0), with every type of block and every formula,
+//! under a catalogue of our own.
+
+#![allow(clippy::unwrap_used, reason = "the helpers of tests may panic as tests do")]
 
 use std::fmt::Write as _;
 use std::fs;
@@ -36,7 +39,8 @@ fn parse(text: &str) -> Result<Page, gonio::ior::import::Message> {
 
 #[test]
 fn val_pages_give_the_tables_that_are_built_in() {
-    // Our tables of formulas have a row every 5 nm, that of air six decimals; metals and k have the rows of the source.
+    // Our tables of formulas have a row every 5 nm, that of air six decimals; metals and k have the rows of
+    // the source.
     for (path, name, eta_tolerance, k_tolerance) in [
         ("main/Al2O3/nk/Malitson-o.yml", "sapphire/Malitson-1972-o", 2e-5, 0.0),
         ("main/C/nk/Peter.yml", "diamond/Peter-1923", 2e-5, 0.0),
@@ -180,7 +184,7 @@ fn traps_are_named_by_line_value_and_way_out() {
         ),
         (
             after("        0.3 1.6 0\n        0.35 1.6 0\n"),
-            "G404 page.yml:6: wavelength 0.35 µm follows 0.3 µm in rows that descend; sort them or correct it",
+            "G404 page.yml:6: wavelength 0.35 µm follows 0.3 µm in rows that descend; sort them",
         ),
         (
             after("        0.4 1.6 0\n"),
@@ -233,6 +237,7 @@ fn traps_are_named_by_line_value_and_way_out() {
             "DATA:\n- type: tabulated k\n  data: |\n    1 0\n    2 0\n".to_owned(),
             "G407 page.yml:1: no block gives n; a table needs n, and k where it is known",
         ),
+        (after(&format!("        0.5 {} 0\n", "x\u{7f}".repeat(9_999))), "G403 page.yml:5: `x x x x "),
         ("DATA: []\n".to_owned(), "G407 page.yml:1: no block gives n"),
         (
             format!("{two}- type: tabulated n\n  data: |\n    1 2\n    2 2\n"),
@@ -279,7 +284,7 @@ fn what_is_beyond_doubt_is_read() {
         (
             "markup",
             format!(
-                "REFERENCES: |\n    <a href=\"x\">*J*</a> [y](z) <br> <b # & - : {{\n{TABLE}        0.5 1.6 1e-3\n"
+                "REFERENCES: |\n    <a href=\"x\">*J*</a> [y](z) <b # & - : {{\n{TABLE}        0.5 1.6 1e-3\n"
             ),
         ),
         (
@@ -457,8 +462,12 @@ fn one_page_or_a_folder_is_imported_and_nothing_leaves_the_folder() {
     assert!(out.starts_with("9 pages read, 8 converted"), "{out}");
     assert!(folder.path().join("two/TiO2/nk/Devore-o.csv").is_file());
 
-    let catalogue = "- SHELF: a\n  content:\n  - BOOK: b\n    name: B\n    content:\n    - PAGE: c\n      data: ../../c.yml\n    \
-        - PAGE: d\n      data: d.yml\n    - PAGE: d\n      data: d.yml\n    - PAGE: e\n      dat: e.yml\n    - PGE: f\n    - 1\n";
+    let catalogue = "- SHELF: a\n  content:\n  - BOOK: b\n    name: B\n    content:\n    \
+        - PAGE: c\n      data: ../../c.yml\n    \
+        - PAGE: d\n      data: d.yml\n    \
+        - PAGE: d\n      data: d.yml\n    \
+        - PAGE: e\n      dat: e.yml\n    \
+        - PGE: f\n    - 1\n";
     fs::create_dir(folder.path().join("evil")).unwrap();
     fs::write(folder.path().join("evil/library.yml"), catalogue).unwrap();
     let (code, out, err) = gonio(folder.path(), &["ior", "import", "evil"]);
@@ -510,4 +519,16 @@ fn a_data_set_is_exported_with_its_source_and_overwrites_nothing() {
     assert_eq!(code, Some(2));
     assert!(err.contains("gold.csv: is there already and differs; --overwrite replaces it"), "{err}");
     assert_eq!(fs::read_to_string(folder.path().join("gold.csv")).unwrap(), "precious");
+}
+
+#[test]
+fn conditions_are_carried_as_text_list_or_mapping() {
+    for (conditions, expected) in [
+        ("CONDITIONS: dry\n", "# CONDITIONS: dry\n"),
+        ("CONDITIONS:\n  - dry\n  - cold\n", "# CONDITIONS: dry\n# CONDITIONS: cold\n"),
+        ("SPECS:\n  n_absolute: false\n  deep:\n    - 1\n", "# SPECS: n_absolute: false\n"),
+    ] {
+        let csv = parse(&format!("{conditions}{FORMULA}2\n")).unwrap().csv();
+        assert!(csv.contains(expected), "{csv}");
+    }
 }

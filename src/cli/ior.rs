@@ -270,8 +270,10 @@ fn export(table: &Table, output: Option<&Path>, overwrite: bool) -> Result<Strin
 
 /// Writes a file whole or not at all; false if another one is there and may not be replaced.
 fn write_new(path: &Path, text: &str, overwrite: bool) -> Result<bool, Failure> {
-    if !overwrite && path.try_exists()? {
-        return Ok(fs::read(path)? == text.as_bytes());
+    let there = path.try_exists().map_err(|error| format!("cannot look for {}: {error}", path.display()))?;
+    if there && !overwrite {
+        let old = fs::read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+        return Ok(old == text.as_bytes());
     }
     write_file(path, text)?;
     Ok(true)

@@ -1,10 +1,11 @@
 //! Pages of the refractiveindex.info database as tables.
 //!
 //! M. N. Polyanskiy, "Refractiveindex.info database of optical constants", Sci. Data 11, 94 (2024),
-//! doi:10.1038/s41597-023-02898-2. A page is a YAML file with blocks of `DATA`: tables of n and k over wavelength
-//! \[µm\] and dispersion formulas. Figures are carried as they are; formulas are sampled so densely that a straight line
-//! between two rows leaves n − 1 by no more than 1e-5 of itself. What a page means must be beyond doubt: two sources
-//! of n, rows out of order or a formula with n² < 0 are refused with their line.
+//! doi:10.1038/s41597-023-02898-2. A page is a YAML file with blocks of `DATA`: tables of n and k over
+//! wavelength \[µm\] and dispersion formulas. Figures are carried as they are; formulas are sampled so
+//! densely that a straight line between two rows leaves n − 1 by no more than 1e-5 of itself. What a page
+//! means must be beyond doubt: two sources of n, rows out of order or a formula with n² < 0 are refused with
+//! their line.
 
 mod block;
 mod formula;
@@ -93,7 +94,9 @@ impl Problem {
     }
 
     fn in_file(self, file: &Path) -> Message {
-        Message { code: self.code, file: file.display().to_string(), line: self.line, text: self.text }
+        // It may quote the file, which may hold anything.
+        let text = self.text.chars().take(400).map(|c| if c.is_control() { ' ' } else { c }).collect();
+        Message { code: self.code, file: file.display().to_string(), line: self.line, text }
     }
 }
 
@@ -128,7 +131,8 @@ pub struct Page {
     heading: Vec<String>,
 }
 
-/// The pages below a path: those that the catalogue of a checkout lists, otherwise all of a folder, or one file.
+/// The pages that a path stands for: those that the catalogue of a checkout lists, otherwise all below a
+/// folder, or one file.
 ///
 /// # Errors
 /// If nothing can be read there, or the catalogue is not one.
@@ -277,13 +281,14 @@ impl Page {
         let comment = text.trim_start_matches('\u{feff}').lines().take_while(|line| line.starts_with('#'));
         heading.extend(comment.map(|line| line.trim_start_matches('#').trim().to_owned()));
         if let Some(map) = root.map() {
-            for key in ["REFERENCES", "COMMENTS"] {
-                let lines =
-                    map.get(key).and_then(|(_, node)| node.text()).into_iter().flat_map(|t| t.lines());
-                heading.extend(lines.map(|(_, line)| format!("{key}: {line}")));
-            }
-            for key in ["CONDITIONS", "SPECS"] {
-                let entries = map.get(key).and_then(|(_, node)| node.map()).into_iter().flatten();
+            // Older pages have SPECS: whether n is relative to air stands there.
+            for key in ["REFERENCES", "COMMENTS", "CONDITIONS", "SPECS"] {
+                let Some((_, node)) = map.get(key) else { continue };
+                let list = node.list().into_iter().flatten();
+                for text in node.text().into_iter().chain(list.filter_map(Node::text)) {
+                    heading.extend(text.lines().map(|(_, line)| format!("{key}: {line}")));
+                }
+                let entries = node.map().into_iter().flatten();
                 let texts = entries.filter_map(|(name, (_, node))| Some((name, node.text()?.as_str())));
                 heading.extend(texts.map(|(name, text)| format!("{key}: {name}: {text}")));
             }
@@ -305,7 +310,7 @@ impl Page {
 fn table(root: &Node, source: &Source) -> Result<(Table, Vec<Problem>), Problem> {
     const KEYS: [&str; 6] = ["REFERENCES", "COMMENTS", "CONDITIONS", "DATA", "SPECS", "PROPERTIES"];
     const CONDITIONS: [&str; 6] =
-        ["temperature", "pressure", "direction", "film_thickness", "n_absolute", "wavelength_vacuum"];
+        ["temperature", "pressure", "direction", "film_thickness", "substrate", "deposition_temperature"];
     let schema = |line, text: String| Problem::at(line, Code::Schema, text);
     let map =
         root.map().ok_or_else(|| schema(root.line, format!("expected the keys {}", KEYS.join(", "))))?;
@@ -315,10 +320,8 @@ fn table(root: &Node, source: &Source) -> Result<(Table, Vec<Problem>), Problem>
     })?;
     let blocks = data.list().ok_or_else(|| schema(*line, "DATA is not a list of blocks".to_owned()))?;
     let mut notes = near_misses(map, &KEYS, "key");
-    for key in ["CONDITIONS", "SPECS"] {
-        let entries = map.get(key).and_then(|(_, node)| node.map());
-        notes.extend(entries.into_iter().flat_map(|map| near_misses(map, &CONDITIONS, "condition")));
-    }
+    let conditions = map.get("CONDITIONS").and_then(|(_, node)| node.map());
+    notes.extend(conditions.into_iter().flat_map(|map| near_misses(map, &CONDITIONS, "condition")));
     let (mut n, mut k) = (None, None);
     for block in blocks {
         let block = block::read(block)?;

@@ -1,8 +1,20 @@
 //! The dispersion formulas of the database.
 //!
-//! As in its "Dispersion formulas" document (doc/Dispersion formulas.pdf, 2014) and its own viewer: λ in
-//! micrometres, coefficients that are missing are zero. A term whose numerator is zero is left out: formula 4 without
-//! its second fraction is otherwise 0/(λ² − 0⁰), which is 0/0 at λ = 1 µm.
+//! As in its document "Dispersion formulas" (2014) and in its own viewer; λ in micrometres, missing
+//! coefficients are zero. A term whose numerator is zero is left out: formula 4 without its second fraction is
+//! otherwise 0/(λ² − 0⁰), which is 0/0 at λ = 1 µm.
+//!
+//! | formula | name | |
+//! |---|---|---|
+//! | 1 | Sellmeier | n² − 1 = C₁ + Σ Cᵢ λ² / (λ² − Cᵢ₊₁²) |
+//! | 2 | Sellmeier-2 | n² − 1 = C₁ + Σ Cᵢ λ² / (λ² − Cᵢ₊₁) |
+//! | 3 | polynomial | n² = C₁ + Σ Cᵢ λ^Cᵢ₊₁ |
+//! | 4 | RefractiveIndex.INFO | n² = C₁ + C₂ λ^C₃ / (λ² − C₄^C₅) + C₆ λ^C₇ / (λ² − C₈^C₉) + Σ Cᵢ λ^Cᵢ₊₁ |
+//! | 5 | Cauchy | n = C₁ + Σ Cᵢ λ^Cᵢ₊₁ |
+//! | 6 | gases | n − 1 = C₁ + Σ Cᵢ / (Cᵢ₊₁ − λ⁻²) |
+//! | 7 | Herzberger | n = C₁ + C₂ L + C₃ L² + C₄ λ² + C₅ λ⁴ + C₆ λ⁶ with L = 1 / (λ² − 0.028) |
+//! | 8 | retro | (n² − 1) / (n² + 2) = C₁ + C₂ λ² / (λ² − C₃) + C₄ λ² |
+//! | 9 | exotic | n² = C₁ + C₂ / (λ² − C₃) + C₄ (λ − C₅) / ((λ − C₅)² + C₆) |
 
 use super::{Code, Problem};
 
@@ -130,7 +142,7 @@ mod tests {
         Formula { line: 1, number, coefficients: coefficients.to_vec(), range_nm }
     }
 
-    /// Coefficients of pages of the database, and n computed from the printed equations outside of this program.
+    /// Coefficients of pages of the database, and n computed from the printed equations outside of gonio.
     #[test]
     fn val_every_formula() {
         let cases: [(usize, &[f64], f64, f64); 11] = [

@@ -68,8 +68,8 @@ enum Open {
     Map(Map, Option<(usize, String)>),
 }
 
-/// Reads one document. Anchors and tags are passed over; references to anchors are refused, since a few of them
-/// can stand for more than fits into memory.
+/// Reads one document. Anchors and tags are passed over; references to anchors are refused, since a few of
+/// them can stand for more than fits into memory.
 pub(super) fn parse(bytes: &[u8]) -> Result<Node, Problem> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let before = bytes.get(..error.valid_up_to()).unwrap_or_default();
