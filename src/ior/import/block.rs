@@ -130,8 +130,8 @@ fn table(columns: &str, data: &Text, line: usize) -> Result<Block, Problem> {
     Ok(Block { n: curve('n'), k: curve('k'), notes: Vec::new() })
 }
 
-/// The rows with ascending wavelengths. Descending tables are turned round and rows that repeat the one before
-/// are dropped; anything else may be a misprint.
+/// The rows with ascending wavelengths. Descending tables are turned round and rows that repeat the one
+/// before are dropped; anything else may be a misprint.
 fn ascending(mut rows: Vec<(usize, Vec<f64>)>) -> Result<Vec<Vec<f64>>, Problem> {
     rows.dedup_by(|b, a| a.1 == b.1);
     let descending = rows.len() > 1 && rows[1].1[0] < rows[0].1[0];

@@ -1,8 +1,8 @@
 //! The dispersion formulas of the database.
 //!
 //! As in its document "Dispersion formulas" (2014) and in its own viewer; λ in micrometres, missing
-//! coefficients are zero. A term whose numerator is zero is left out: formula 4 without its second fraction is
-//! otherwise 0/(λ² − 0⁰), which is 0/0 at λ = 1 µm.
+//! coefficients are zero. A term whose numerator is zero is left out: formula 4 without its second fraction
+//! is otherwise 0/(λ² − 0⁰), which is 0/0 at λ = 1 µm.
 //!
 //! | formula | name | |
 //! |---|---|---|
@@ -51,7 +51,11 @@ impl Formula {
         let (square, value) = self.value(um);
         let failed = |what: String| {
             let text = format!("formula {} gives {what} at {um} µm, within its range", self.number);
-            Problem::at(self.line, Code::OutOfRange, text + "; correct the coefficients or the range")
+            Problem::at(
+                self.line,
+                Code::OutOfRange,
+                text + "; correct the coefficients or narrow the range in a copy",
+            )
         };
         if square && value < 0.0 {
             return Err(failed(format!("n² = {value}, which is negative,")));
@@ -125,7 +129,8 @@ impl Formula {
             }
             if rows.len() + ends.len() > MOST_ROWS || inner[1][0] <= a[0] {
                 let text = format!("formula {} has a pole near {} µm", self.number, a[0] / 1e3);
-                let text = text + ", within its range; correct the coefficients or the range";
+                let text =
+                    text + ", within its range; correct the coefficients or narrow the range in a copy";
                 return Err(Problem::at(self.line, Code::OutOfRange, text));
             }
         }
