@@ -55,7 +55,7 @@ enum Verb {
     /// Draws one figure and writes its numbers beside it
     #[command(subcommand)]
     Plot(plot::Kind),
-    /// Measured optical constants: list, show, compare
+    /// Measured optical constants: list, show, compare, export, import
     #[command(subcommand)]
     Ior(ior::Verb),
     /// Runs everything and writes the report
@@ -136,6 +136,7 @@ gonio verifies materials and BxDFs.
   gonio ior list                          measured optical constants
   gonio ior compare copper                how far published data sets differ
   gonio ior show copper/Johnson-1972      one data set: range, colour, RGB index, source
+  gonio ior import PATH                   pages of the refractiveindex.info database as CSV files
 
 gonio help VERB explains the options of a verb.
 ";

@@ -6,6 +6,7 @@
 //!
 //! The tables of `reference-data/ior` are embedded in the library, with their provenance.
 
+pub mod import;
 mod read;
 mod reduce;
 
@@ -175,6 +176,21 @@ impl Table {
     /// The rows (wavelength \[nm\], η, k), ascending.
     pub fn rows(&self) -> &[[f64; 3]] {
         &self.rows
+    }
+
+    /// The table as CSV that [`Self::read`] reads to the same figures, after lines of remarks.
+    pub fn csv<'a>(&self, remarks: impl IntoIterator<Item = &'a str>) -> String {
+        // The shortest digits that stand for the figure; an exponent where there would be many zeros.
+        let figure = |x: f64| match x.abs() {
+            0.0 => "0".to_owned(),
+            1e-4..1e9 => x.to_string(),
+            _ => format!("{x:e}"),
+        };
+        let remark = |line: &str| format!("# {}\n", line.replace(char::is_control, " "));
+        let mut text: String = remarks.into_iter().map(remark).collect();
+        text.push_str("wavelength_nm,eta,k\n");
+        text.extend(self.rows.iter().map(|row| row.map(figure).join(",") + "\n"));
+        text
     }
 
     /// Shortest and longest wavelength \[nm\].

@@ -1,11 +1,16 @@
 //! `gonio ior`: measured optical constants.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use gonio::fresnel::normal_incidence;
+use gonio::ior::import::{self, Code, Message, Page};
 use gonio::ior::{FittedRgb, Illuminant, IorError, Provenance, Table, builtin, load, provenances};
 use gonio::parameter::did_you_mean;
+use gonio::report::write_file;
 use serde::Serialize;
 
 use super::{Failure, Format, print};
@@ -37,10 +42,34 @@ pub(crate) enum Verb {
         #[arg(long, value_enum, default_value = "full")]
         format: Format,
     },
+    /// One data set as CSV, with its source
+    Export {
+        /// Name of a data set, or a CSV file
+        table: String,
+        /// File to write; standard output unless given
+        #[arg(short, long, value_name = "FILE")]
+        output: Option<PathBuf>,
+        /// Replaces the file if it is there
+        #[arg(long)]
+        overwrite: bool,
+    },
+    /// Pages of the refractiveindex.info database as CSV files, which show, export and plot read
+    Import {
+        /// A checkout of the database, its catalogue, a folder of pages or one page
+        path: PathBuf,
+        /// Folder to write into; paths within it are those of the pages
+        #[arg(short, long, value_name = "FOLDER", default_value = "refractiveindex")]
+        output: PathBuf,
+        /// Replaces files that are there
+        #[arg(long)]
+        overwrite: bool,
+    },
 }
 
 pub(crate) fn run(verb: &Verb) -> Result<ExitCode, Failure> {
     print(&match verb {
+        Verb::Import { path, output, overwrite } => return import(path, output, *overwrite),
+        Verb::Export { table, output, overwrite } => export(&load(table)?, output.as_deref(), *overwrite)?,
         Verb::List { format } => list(*format)?,
         Verb::Show { table, wavelength_nm, format } => show(&load(table)?, *wavelength_nm, *format)?,
         Verb::Compare { material, format } => compare(material, *format)?,
@@ -219,4 +248,89 @@ fn compare(material: &str, format: Format) -> Result<String, Failure> {
         writeln!(text, "{:<41}{:>9.4}{:>9.4}{:>9.4}", "spread", spread(0), spread(1), spread(2))?;
     }
     Ok(text)
+}
+
+/// The table as CSV; nothing where it goes into a file.
+fn export(table: &Table, output: Option<&Path>, overwrite: bool) -> Result<String, Failure> {
+    let mut remarks = vec![table.name().to_owned()];
+    if let Some(provenance) = table.provenance() {
+        let Provenance { reference, doi, database_page, database_version, licence, note, .. } = provenance;
+        remarks.push(reference.clone());
+        remarks.extend((!doi.is_empty()).then(|| format!("https://doi.org/{doi}")));
+        remarks.push(format!("refractiveindex.info {database_version}, {database_page} ({licence})"));
+        remarks.push(note.clone());
+    }
+    let csv = table.csv(remarks.iter().map(String::as_str));
+    let Some(path) = output else { return Ok(csv) };
+    match write_new(path, &csv, overwrite)? {
+        true => Ok(String::new()),
+        false => Err(exists(path).into()),
+    }
+}
+
+/// Writes a file whole or not at all; false if another one is there and may not be replaced.
+fn write_new(path: &Path, text: &str, overwrite: bool) -> Result<bool, Failure> {
+    let there = path.try_exists().map_err(|error| format!("cannot look for {}: {error}", path.display()))?;
+    if there && !overwrite {
+        let old = fs::read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+        return Ok(old == text.as_bytes());
+    }
+    write_file(path, text)?;
+    Ok(true)
+}
+
+fn exists(path: &Path) -> Message {
+    let text = "is there already and differs; --overwrite replaces it".to_owned();
+    Message { code: Code::Exists, file: path.display().to_string(), line: None, text }
+}
+
+/// Imports what can be imported, tells on standard error what cannot, and counts.
+fn import(path: &Path, output: &Path, overwrite: bool) -> Result<ExitCode, Failure> {
+    let import::Sources { pages, mut refused } = import::find(path)?;
+    let read = pages.len();
+    if read + refused.len() == 0 {
+        let path = path.display();
+        let text =
+            format!("no pages in {path}; expected a checkout with database/catalog-nk.yml, or *.yml files");
+        return Err(text.into());
+    }
+    for message in &refused {
+        eprintln!("error[{}]: {message}", message.code);
+    }
+    let (mut converted, mut with_notes) = (0, 0);
+    for source in &pages {
+        let page = match Page::read(source) {
+            Ok(page) => page,
+            Err(message) => {
+                eprintln!("error[{}]: {message}", message.code);
+                refused.push(message);
+                continue;
+            }
+        };
+        let file = output.join(source.path.with_extension("csv"));
+        let folder = file.parent().unwrap_or(output);
+        fs::create_dir_all(folder).map_err(|error| format!("cannot make {}: {error}", folder.display()))?;
+        if !write_new(&file, &page.csv(), overwrite)? {
+            let message = exists(&file);
+            eprintln!("error[{}]: {message}", message.code);
+            refused.push(message);
+            continue;
+        }
+        for note in &page.notes {
+            eprintln!("warning[{}]: {note}", note.code);
+        }
+        converted += 1;
+        with_notes += usize::from(!page.notes.is_empty());
+    }
+    let mut text = format!("{read} pages read, {converted} converted into {}", output.display());
+    writeln!(text, ", {with_notes} of them with warnings; {} refused", refused.len())?;
+    let mut counts: BTreeMap<Code, usize> = BTreeMap::new();
+    for message in &refused {
+        *counts.entry(message.code).or_default() += 1;
+    }
+    for (code, count) in counts {
+        writeln!(text, "  {code}  {:<40}{count:>6}", code.summary())?;
+    }
+    print(&text)?;
+    Ok(if refused.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
