@@ -23,6 +23,7 @@ use crate::lobe::{
     DielectricSpecular, LayerError, Lobe, LobeKind, MicrofacetDielectric, MicrofacetReflection,
     OrenNayarModel,
 };
+use crate::material::{Material, MaterialError, Model, PRESETS, Preset};
 use crate::microfacet::{Distribution, NoSmithForm, Shape};
 use crate::parameter::OutOfRange;
 use crate::real::{Real, Vector};
@@ -68,6 +69,22 @@ impl<F: Real> BxdfSpecimen<F> {
             ..Claims::reflector(precision::<F>())
         };
         Self::new(name, Arc::new(stack), claims)
+    }
+
+    /// The specimen `name/precision` of a material, with what its lobes promise.
+    pub fn of_material(name: &str, material: Material<F>) -> Self {
+        let is_isotropic = material.is_isotropic();
+        let specimen = match material.stack().components() {
+            // What a lobe promises of its micro surface holds in the lobe's own frame.
+            [lobe] if !material.is_turned() => Self::of_lobe(name, lobe.clone()),
+            [Lobe::MicrofacetDielectric(single), Lobe::KullaContyDielectric(_)] if single.is_lossless() => {
+                // Tables of 129 points, linear between them.
+                Self::of_stack(name, material.stack().clone(), Energy::Lossless { within: 3e-3 })
+            }
+            _ => Self::of_stack(name, material.stack().clone(), Energy::Conserving),
+        };
+        let claims = Claims { isotropic: is_isotropic, ..specimen.claims };
+        Self { bxdf: Arc::new(material), claims, family: None, ..specimen }
     }
 
     /// The same specimen without the promise that turning it about the normal changes nothing.
@@ -333,6 +350,8 @@ pub enum Kind {
     Lobe(LobeKind),
     /// Several lobes as one BxDF.
     Stack,
+    /// The presets of a material, the first of them in both precisions, the others in double precision.
+    Material(Model),
     /// Every roughness with every material; not part of the catalogue, which has each of them somewhere.
     Grid,
 }
@@ -340,7 +359,8 @@ pub enum Kind {
 impl Kind {
     /// The kinds that make the catalogue.
     pub fn catalogue() -> impl Iterator<Item = Self> {
-        LobeKind::ALL.iter().map(|&kind| Self::Lobe(kind)).chain([Self::Stack])
+        let lobes = LobeKind::ALL.iter().map(|&kind| Self::Lobe(kind));
+        lobes.chain([Self::Stack]).chain(Model::ALL.iter().map(|&model| Self::Material(model)))
     }
 
     /// Its name, which means all its specimens.
@@ -348,6 +368,7 @@ impl Kind {
         match self {
             Self::Lobe(kind) => kind.name(),
             Self::Stack => "stack",
+            Self::Material(model) => model.name(),
             Self::Grid => "grid",
         }
     }
@@ -357,6 +378,7 @@ impl Kind {
         match self {
             Self::Lobe(kind) => kind.summary(),
             Self::Stack => "several lobes as one BxDF",
+            Self::Material(model) => model.summary(),
             Self::Grid => "rough conductors and dielectrics, every roughness with every index: the long form",
         }
     }
@@ -365,12 +387,23 @@ impl Kind {
         match self {
             Self::Lobe(kind) => cases::of_lobe(kind),
             Self::Stack => stacks::cases(),
+            Self::Material(model) => presets(model),
             Self::Grid => cases::grid(),
         }
     }
 }
 
-/// Every case of every kind, in both precisions.
+/// The presets of a material: `material/preset`.
+fn presets<F: Real>(model: Model) -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> {
+    let presets = PRESETS.iter().filter(|preset| preset.model == model);
+    let count = if precision::<F>() == Precision::F64 { usize::MAX } else { 1 };
+    let specimen = |preset: &Preset| {
+        Ok(BxdfSpecimen::of_material(&format!("material/{}", preset.name), preset.material()?))
+    };
+    presets.take(count).collect::<Vec<_>>().into_par_iter().map(specimen).collect()
+}
+
+/// Every case of every kind, in both precisions but for further presets of a material.
 ///
 /// # Errors
 /// Never for the parameters listed here; the constructors' errors are passed on rather than unwrapped.
@@ -441,6 +474,9 @@ pub enum CatalogueError {
     /// An optical constant is not to be had.
     #[error(transparent)]
     Ior(#[from] ior::IorError),
+    /// A preset that is not a material.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
 }
 
 #[cfg(test)]
