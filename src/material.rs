@@ -413,3 +413,210 @@ fn reflection<F: Real>(distribution: Distribution<F>, fresnel: Fresnel<F>) -> Lo
         MicrofacetReflection::new(distribution, fresnel).into()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ior::{Class, builtin, provenances};
+    use glam::DVec3;
+
+    fn refusal(model: Model, values: &[(&'static str, Value)]) -> String {
+        Material::<f64>::new(model, values.iter().cloned()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn every_table_is_complete_and_its_defaults_are_accepted() {
+        for &model in Model::ALL {
+            let all = flattened(model.parameters());
+            let values = Values::new(model.name(), model.parameters());
+            for (i, (path, parameter)) in all.iter().enumerate() {
+                let name = format!("{} {path}", model.name());
+                assert!(all[..i].iter().all(|(other, _)| other != path), "{name} twice");
+                assert!(!parameter.label.is_empty() && parameter.doc.ends_with('.'), "{name}");
+                if let Some(default) = &parameter.default {
+                    values.clone().with(path, default.clone()).unwrap();
+                }
+                if let Some(norm) = parameter.norm {
+                    assert!(!norm.source.is_empty(), "{name}");
+                    let [low, high] = match parameter.kind {
+                        ParameterKind::Number { range } | ParameterKind::Colour { range } => range,
+                        _ => panic!("{name} has a norm and no range"),
+                    };
+                    assert!(low <= norm.range[0] && norm.range[1] <= high, "{name}");
+                }
+            }
+        }
+    }
+
+    /// Values that the table accepts are values that the lobes take.
+    #[test]
+    fn every_material_can_be_made_at_both_ends_of_every_range_and_with_every_choice() {
+        for &model in Model::ALL {
+            for (path, parameter) in flattened(model.parameters()) {
+                let values: Vec<Value> = match parameter.kind {
+                    ParameterKind::Number { range } | ParameterKind::Colour { range } => {
+                        range.map(Value::Number).to_vec()
+                    }
+                    ParameterKind::OneOf { numbers } => numbers.iter().copied().map(Value::Number).collect(),
+                    ParameterKind::Choice { choices } => {
+                        choices.iter().map(|choice| Value::text(choice.name)).collect()
+                    }
+                    ParameterKind::DataSet | ParameterKind::Group { .. } => continue,
+                };
+                for value in values {
+                    let partner: &[(&str, Value)] = match path.as_str() {
+                        "eta" if parameter.default.is_none() => &[("k", Value::Number(3.0))],
+                        "k" => &[("eta", Value::Number(0.5))],
+                        "anisotropy" => &[("alpha", Value::Number(0.1))],
+                        _ => &[],
+                    };
+                    let given =
+                        || [(path.as_str(), value.clone())].into_iter().chain(partner.iter().cloned());
+                    let albedo = Material::<f64>::new(model, given()).unwrap().albedo(DVec3::Z);
+                    let single = Material::<f32>::new(model, given()).unwrap().albedo(glam::Vec3::Z);
+                    let name = format!("{} {path} = {value}", model.name());
+                    assert!(albedo.0.iter().all(|a| a.is_finite()), "{name}: {albedo:?}");
+                    assert!(single.0.iter().all(|a| a.is_finite()), "{name}: {single:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_that_is_out_of_range_can_be_made_and_the_message_says_what_can() {
+        for (model, values, message) in [
+            (
+                Model::Metal,
+                vec![("alpha", Value::Number(1.5))],
+                "alpha = 1.5 is out of range: expected a number in [0, 1] [slope]",
+            ),
+            (Model::Metal, vec![("alpha", Value::Number(f64::NAN))], "alpha = NaN is out of range"),
+            (
+                Model::Plastic,
+                vec![("coat.eta", Value::Number(0.9))],
+                "coat.eta = 0.9 is out of range: expected a number in [1, 1000]",
+            ),
+            (
+                Model::Matte,
+                vec![("reflectance", Value::Colour([0.5, 1.02, 0.5]))],
+                "reflectance = [0.5, 1.02, 0.5] is out of range: expected [red, green, blue] or a grey, each in [0, 1]",
+            ),
+            (Model::Matte, vec![("reflectance", "red".into())], "reflectance = \"red\" is out of range"),
+            (
+                Model::Fabric,
+                vec![("exponent", Value::Number(3.0))],
+                "exponent = 3 is out of range: expected one of 1, 2, 4, 8, 16",
+            ),
+            (Model::Glass, vec![("distribution", "blinn".into())], "expected one of \"beckmann\", \"ggx\""),
+            (Model::Metal, vec![("ior", "iron".into())], "ior: `iron` has several data sets"),
+            (Model::Metal, vec![("rougness", Value::Number(0.1))], "`rougness` is not a parameter of metal"),
+            (Model::CarPaint, vec![("coat.thicknes", Value::Number(0.1))], "did you mean coat.thickness"),
+            (
+                Model::CarPaint,
+                vec![("coat", Value::Number(1.0))],
+                "coat = 1 is out of range: expected a group of eta,",
+            ),
+            (
+                Model::Metal,
+                vec![("ior", "gold/Johnson-1972".into()), ("k", Value::Number(3.0))],
+                "`ior` and `k` cannot both be given",
+            ),
+            (Model::Metal, vec![("k", Value::Number(3.0))], "metal lacks a value for `eta`"),
+            (
+                Model::Metal,
+                vec![("alpha", Value::Number(0.5)), ("anisotropy", Value::Number(5.0))],
+                "anisotropy = 5 is out of range: expected with alpha = 0.5 a ratio in [0.2500, 4.0000]",
+            ),
+            (Model::Matte, vec![("sigma_rad", Value::Number(0.7)), ("diffuse", "full".into())], "0.66"),
+            (
+                Model::Glass,
+                vec![("transmission", Value::Number(0.5)), ("scattering", "all".into())],
+                "`scattering` and `transmission` cannot both be given",
+            ),
+        ] {
+            let error = refusal(model, &values);
+            assert!(error.contains(message), "{error}");
+        }
+        let error = Model::named("plastik").unwrap_err().to_string();
+        assert!(error.contains("did you mean plastic"), "{error}");
+        let error = preset("rubi").unwrap_err().to_string();
+        assert!(error.contains("did you mean ruby"), "{error}");
+    }
+
+    #[test]
+    fn a_value_is_what_was_given_last_or_the_default() {
+        let metal = Material::<f64>::new(Model::Metal, [("alpha", 0.2.into())]).unwrap();
+        let rougher = metal.with([("alpha", 0.3.into())]).unwrap();
+        assert_eq!(rougher.value("alpha").unwrap(), Some(&Value::Number(0.3)));
+        assert_eq!(rougher.value("anisotropy").unwrap(), Some(&Value::Number(1.0)));
+        assert_eq!(rougher.value("k").unwrap(), None);
+        assert_eq!(rougher.given(), [("alpha".to_owned(), Value::Number(0.3))]);
+        assert!(rougher.value("reflectance").is_err());
+        assert_eq!(rougher.model(), Model::Metal);
+    }
+
+    #[test]
+    fn metals_on_file_have_a_usual_index() {
+        let [eta_norm, k_norm] = [&metal::ETA, &metal::K].map(|parameter| parameter.norm.unwrap().range);
+        for provenance in provenances().unwrap().into_iter().filter(|table| table.class == Class::Metal) {
+            for wavelength_nm in [465.0, 532.0, 630.0] {
+                let index = builtin(&provenance.table).unwrap().at(wavelength_nm).unwrap();
+                let is_in = |[low, high]: [f64; 2], value: f64| low <= value && value <= high;
+                assert!(
+                    is_in(eta_norm, index.eta) && is_in(k_norm, index.k),
+                    "{} {index:?}",
+                    provenance.table
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn turned_tangents_are_turned_directions() {
+        let brushed = |ratio: f64, degrees: f64| {
+            Material::<f64>::new(
+                Model::Metal,
+                [("alpha", 0.3.into()), ("anisotropy", ratio.into()), ("rotation_deg", degrees.into())],
+            )
+            .unwrap()
+        };
+        let [wo, wi] = [DVec3::new(0.3, -0.2, 0.8), DVec3::new(0.1, 0.7, 0.5)].map(DVec3::normalize);
+        let f = |material: &Material<f64>, wo, wi| material.eval(wo, wi, TransportMode::Radiance)[0];
+        let plain = f(&brushed(4.0, 0.0), wo, wi);
+        // A quarter turn exchanges the axes.
+        assert!((f(&brushed(0.25, 90.0), wo, wi) / plain - 1.0).abs() < 1e-12);
+        assert!((f(&brushed(4.0, 90.0), wo, wi) / plain - 1.0).abs() > 0.1);
+        // Tangents that are turned counter-clockwise see directions that are turned the same way as before.
+        let turn = glam::DMat3::from_rotation_z(30.0_f64.to_radians());
+        assert!((f(&brushed(4.0, 30.0), turn * wo, turn * wi) / plain - 1.0).abs() < 1e-12);
+        let along = brushed(4.0, 30.0).sample(turn * wo, 0.5, [0.3, 0.7], TransportMode::Radiance).unwrap();
+        let before = brushed(4.0, 0.0).sample(wo, 0.5, [0.3, 0.7], TransportMode::Radiance).unwrap();
+        assert!((along.wi - turn * before.wi).length() < 1e-12);
+    }
+
+    #[test]
+    fn smooth_metal_is_a_mirror_and_smooth_plastic_is_glossy() {
+        let polished = preset("polished_copper").unwrap().material::<f64>().unwrap();
+        assert!(polished.flags().is_delta && !polished.is_turned() && polished.is_isotropic());
+        let gloss = preset("ceramic").unwrap().material::<f64>().unwrap();
+        assert!(matches!(
+            gloss.stack().components(),
+            [Lobe::SpecularReflection(_), Lobe::RefractiveLayer(_)]
+        ));
+        let rough = preset("red_plastic").unwrap().material::<f64>().unwrap();
+        assert!(matches!(
+            rough.stack().components(),
+            [Lobe::MicrofacetReflection(_), Lobe::RefractiveLayer(_)]
+        ));
+    }
+
+    #[test]
+    fn the_index_of_corundum_is_that_of_the_data_set() {
+        let measured = builtin("sapphire/Malitson-1972-o").unwrap().at(587.56).unwrap().eta;
+        for name in ["ruby", "sapphire"] {
+            let stone = preset(name).unwrap().material::<f64>().unwrap();
+            let Some(&Value::Number(eta)) = stone.value("eta").unwrap() else { panic!("{name}") };
+            assert!((eta - measured).abs() < 5e-4);
+        }
+    }
+}

@@ -26,10 +26,7 @@ const fn tint(id: &'static str, label: &'static str, doc: &'static str) -> Param
         label,
         kind: ParameterKind::Colour { range: [0.0, 1.0] },
         default: Some(Value::Number(1.0)),
-        norm: Some(Norm {
-            range: [1.0, 1.0],
-            source: "a clear boundary absorbs nothing: colour comes from absorbance",
-        }),
+        norm: None,
         unit: "",
         doc,
     }

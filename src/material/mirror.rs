@@ -13,7 +13,7 @@ pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
     default: Some(Value::Number(1.0)),
     norm: Some(Norm {
         range: [0.5, 0.99],
-        source: "metals of reference-data/ior; at 1 paths between mirrors never end",
+        source: "from stainless steel to silver; at 1 paths between two mirrors never end",
     }),
     unit: "",
     doc: "Share of the light that the mirror returns.",

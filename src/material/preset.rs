@@ -173,6 +173,7 @@ pub const PRESETS: &[Preset] = &[
         model: Model::Metal,
         values: &[
             ("ior", text("gold/Johnson-1972")),
+            ("reduction", text("measured")),
             ("alpha", number(0.2)),
             ("distribution", text("ggx")),
             ("scattering", text("all")),
