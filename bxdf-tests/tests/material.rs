@@ -2,16 +2,19 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use bxdf_tests::{Transport, directional_albedo};
-use glam::DVec3;
 use gonio::bxdf::{Bxdf, Pdf, TransportMode};
 use gonio::ior::builtin;
 use gonio::material::{Material, Model, Value, preset};
+use gonio::real::Real;
 use gonio::specimen::BxdfSpecimen;
 
+type DVec3 = <f64 as Real>::Vec3;
+
+/// Share of the light from a direction, in importance, that is scattered.
 fn albedo(material: &Material<f64>, polar_deg: f64) -> [f64; 3] {
     let (sin, cos) = polar_deg.to_radians().sin_cos();
     let specimen = BxdfSpecimen::of_material("material", material.clone());
-    directional_albedo(&specimen, [sin, 0.0, cos], Transport::Radiance).value
+    directional_albedo(&specimen, [sin, 0.0, cos], Transport::Importance).value
 }
 
 /// Figure 11: grey plastic below a smooth coat of growing thickness; red, then green and blue.

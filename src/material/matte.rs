@@ -23,7 +23,7 @@ pub(super) const SIGMA: Parameter = Parameter {
     kind: ParameterKind::Number { range: [0.0, FRAC_PI_2] },
     default: Some(Value::Number(0.0)),
     norm: Some(Norm {
-        range: [0.0, 0.66],
+        range: [0.0, FULL_SIGMA],
         source: "beyond, the fit of Oren & Nayar (1994) is negative in places",
     }),
     unit: "rad",
@@ -51,6 +51,9 @@ pub(super) const DIFFUSE: Parameter = Parameter {
 
 pub(super) const PARAMETERS: &[Parameter] = &[REFLECTANCE, SIGMA, DIFFUSE];
 
+/// The largest σ \[rad\] of the full model.
+const FULL_SIGMA: f64 = 0.66;
+
 /// The diffuse lobe that the parameters above describe.
 pub(super) fn lobe<F: Real>(values: &Values) -> Result<Lobe<F>, MaterialError> {
     let reflectance = values.colour("reflectance")?;
@@ -59,6 +62,13 @@ pub(super) fn lobe<F: Real>(values: &Values) -> Result<Lobe<F>, MaterialError> {
         return Ok(Lambertian::new(reflectance)?.into());
     }
     let (model, roughness) = match values.text("diffuse")? {
+        "full" if values.number::<f64>("sigma_rad")? > FULL_SIGMA => {
+            return Err(MaterialError::Unacceptable {
+                parameter: SIGMA.id.to_owned(),
+                value: sigma.to_string(),
+                expected: format!("with diffuse = \"full\" a number in [0, {FULL_SIGMA}] [rad]"),
+            });
+        }
         "full" => (OrenNayarModel::Full, sigma),
         "energy_preserving" => {
             let square = sigma * sigma;

@@ -62,24 +62,6 @@ const CORUNDUM: Value = number(1.768);
 /// What the thesis's red coats absorb (its figures 10 and 11).
 const RED_ABSORBANCE: Value = rgb(0.25, 1.0, 1.0);
 
-/// Grey plastic; the values are still to come.
-const FIGURE_11: Preset = Preset {
-    name: "",
-    summary: "grey plastic below a smooth coat that leaves mostly red, by the thickness of the coat",
-    figure: "figure 11: thickness 0, 0.3, 0.6, 1; absorbance 0.25, 1, 1",
-    model: Model::Plastic,
-    values: &[],
-};
-
-/// Coated aluminium; the values are still to come.
-const FIGURE_10: Preset = Preset {
-    name: "",
-    summary: "aluminium below a thick smooth coat that leaves mostly red, by the roughness of the aluminium",
-    figure: "figure 10: roughness 0, 0.5, 0.1, 0.2; thickness 1.8, absorbance 0.25, 1, 1, index 1.5",
-    model: Model::CarPaint,
-    values: &[],
-};
-
 /// Every preset. Values that the cited figure does not print are ours.
 pub const PRESETS: &[Preset] = &[
     Preset {
@@ -227,39 +209,47 @@ pub const PRESETS: &[Preset] = &[
     },
     Preset {
         name: "coated_plastic_0",
+        summary: "grey plastic below a clear smooth coat",
+        figure: "figure 11a",
+        model: Model::Plastic,
         values: &[
             ("coat.alpha", number(0.0)),
             ("coat.absorbance", RED_ABSORBANCE),
             ("coat.thickness", number(0.0)),
         ],
-        ..FIGURE_11
     },
     Preset {
         name: "coated_plastic_0.3",
+        summary: "grey plastic below 0.3 of a smooth coat that leaves mostly red",
+        figure: "figure 11b",
+        model: Model::Plastic,
         values: &[
             ("coat.alpha", number(0.0)),
             ("coat.absorbance", RED_ABSORBANCE),
             ("coat.thickness", number(0.3)),
         ],
-        ..FIGURE_11
     },
     Preset {
         name: "coated_plastic_0.6",
+        summary: "grey plastic below 0.6 of a smooth coat that leaves mostly red",
+        figure: "figure 11c",
+        model: Model::Plastic,
         values: &[
             ("coat.alpha", number(0.0)),
             ("coat.absorbance", RED_ABSORBANCE),
             ("coat.thickness", number(0.6)),
         ],
-        ..FIGURE_11
     },
     Preset {
         name: "coated_plastic_1",
+        summary: "grey plastic below 1 of a smooth coat that leaves mostly red",
+        figure: "figure 11d",
+        model: Model::Plastic,
         values: &[
             ("coat.alpha", number(0.0)),
             ("coat.absorbance", RED_ABSORBANCE),
             ("coat.thickness", number(1.0)),
         ],
-        ..FIGURE_11
     },
     Preset {
         name: "tyre_rubber",
@@ -308,43 +298,51 @@ pub const PRESETS: &[Preset] = &[
     },
     Preset {
         name: "coated_aluminium",
+        summary: "smooth aluminium below a thick smooth coat that leaves mostly red",
+        figure: "figure 10a",
+        model: Model::CarPaint,
         values: &[
             ("reduction", text("measured")),
             ("alpha", number(0.0)),
             ("coat.thickness", number(1.8)),
             ("coat.absorbance", RED_ABSORBANCE),
         ],
-        ..FIGURE_10
     },
     Preset {
         name: "coated_aluminium_0.5",
+        summary: "very rough aluminium below a thick smooth coat that leaves mostly red",
+        figure: "figure 10b",
+        model: Model::CarPaint,
         values: &[
             ("reduction", text("measured")),
             ("alpha", number(0.5)),
             ("coat.thickness", number(1.8)),
             ("coat.absorbance", RED_ABSORBANCE),
         ],
-        ..FIGURE_10
     },
     Preset {
         name: "coated_aluminium_0.1",
+        summary: "slightly rough aluminium below a thick smooth coat that leaves mostly red",
+        figure: "figure 10c",
+        model: Model::CarPaint,
         values: &[
             ("reduction", text("measured")),
             ("alpha", number(0.1)),
             ("coat.thickness", number(1.8)),
             ("coat.absorbance", RED_ABSORBANCE),
         ],
-        ..FIGURE_10
     },
     Preset {
         name: "coated_aluminium_0.2",
+        summary: "rough aluminium below a thick smooth coat that leaves mostly red",
+        figure: "figure 10d",
+        model: Model::CarPaint,
         values: &[
             ("reduction", text("measured")),
             ("alpha", number(0.2)),
             ("coat.thickness", number(1.8)),
             ("coat.absorbance", RED_ABSORBANCE),
         ],
-        ..FIGURE_10
     },
     Preset {
         name: "satin",
