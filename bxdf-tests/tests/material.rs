@@ -56,6 +56,20 @@ fn val_coated_aluminium() {
     }
 }
 
+/// What the gloss and what the metal below it mirror leaves in one direction, at grazing incidence too, where the direction
+/// in the coat has lost the cosine.
+#[test]
+fn a_coat_over_a_mirror_returns_one_ray() {
+    let coated = preset("coated_aluminium").unwrap().material::<f64>().unwrap();
+    for cosine in [1.0_f64, 0.5, 1e-3, 3e-7, 1e-12] {
+        let wo = DVec3::new(((1.0 - cosine) * (1.0 + cosine)).sqrt(), 0.0, cosine);
+        for uc in [0.0, 0.5, 0.97, 1.0 - f64::EPSILON] {
+            let sample = coated.sample(wo, uc, [0.5; 2], TransportMode::Radiance).unwrap();
+            assert_eq!(sample.wi, DVec3::new(-wo.x, -wo.y, wo.z), "uc {uc}");
+        }
+    }
+}
+
 /// Probability times weight of the two ways on from a smooth boundary: reflected, and across with its direction.
 fn ways(glass: &Material<f64>, wo: DVec3) -> (f64, f64, DVec3) {
     let sample = |uc| {
