@@ -1,5 +1,5 @@
 //! Materials against the numbers of the thesis's figures, through their parameters alone.
-#![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test that cannot be set up has failed")]
 
 use bxdf_tests::{Transport, directional_albedo};
 use gonio::bxdf::{Bxdf, Pdf, TransportMode};
