@@ -1,8 +1,9 @@
 //! How our lobes enter the laboratory: the example that every renderer follows.
 //!
 //! [`catalogue`] lists every case of every [`Kind`] in both precisions; the cases of lobes are in
-//! `specimen/cases.rs`, those of stacks in `specimen/stacks.rs`. A lobe without promises or without an arm there
-//! does not build; a kind without a case fails a test by name.
+//! `specimen/cases.rs`, those of stacks in `specimen/stacks.rs`, those of materials are the presets of
+//! [`crate::material`], of which only the first of each material also runs in single precision. A lobe
+//! without promises or without an arm there does not build; a kind without a case fails a test by name.
 
 mod cases;
 mod stacks;
@@ -195,8 +196,8 @@ fn terms<F: Real>(lobe: &Lobe<F>) -> (Option<Fresnel<F>>, Option<Distribution<F>
     }
 }
 
-/// `true` where all orders of a metal add up to 1 in some channel but for the error of a table, 8e-4 up or down: the red of
-/// gold that is fitted to sRGB.
+/// `true` where all orders of a metal add up to 1 in some channel but for the error of a table, 8e-4 up or
+/// down: the red of gold that is fitted to sRGB.
 fn rests_on_tables_alone<F: Real>(stack: &Stack<F>) -> bool {
     let [Lobe::MicrofacetReflection(single), Lobe::KullaContyReflection(_)] = stack.components() else {
         return false;

@@ -37,8 +37,8 @@ fn val_plastic_of_growing_thickness() {
     }
 }
 
-/// Figure 10(a): smooth aluminium below 1.8 units of the same coat. The expected values are of the index at 532 nm in all
-/// channels; the preset has that in green.
+/// Figure 10(a): smooth aluminium below 1.8 units of the same coat. The expected values are of the index at
+/// 532 nm in all channels; the preset has that in green.
 #[test]
 fn val_coated_aluminium() {
     let figure = preset("coated_aluminium").unwrap().material::<f64>().unwrap();
@@ -56,8 +56,8 @@ fn val_coated_aluminium() {
     }
 }
 
-/// What the gloss and what the metal below it mirror leaves in one direction, at grazing incidence too, where the direction
-/// in the coat has lost the cosine.
+/// What the gloss and what the metal below it mirror leaves in one direction, at grazing incidence too, where
+/// the direction in the coat has lost the cosine.
 #[test]
 fn a_coat_over_a_mirror_returns_one_ray() {
     let coated = preset("coated_aluminium").unwrap().material::<f64>().unwrap();
@@ -70,7 +70,8 @@ fn a_coat_over_a_mirror_returns_one_ray() {
     }
 }
 
-/// Probability times weight of the two ways on from a smooth boundary: reflected, and across with its direction.
+/// Probability times weight of the two ways on from a smooth boundary: reflected, and across with its
+/// direction.
 fn ways(glass: &Material<f64>, wo: DVec3) -> (f64, f64, DVec3) {
     let sample = |uc| {
         let sample = glass.sample(wo, uc, [0.5; 2], TransportMode::Radiance).unwrap();
@@ -81,8 +82,8 @@ fn ways(glass: &Material<f64>, wo: DVec3) -> (f64, f64, DVec3) {
     (reflected, across, inside)
 }
 
-/// A sphere of absorbing glass, of radius 1 under a sky of radiance 1: R + (1 − R)² a / (1 − R a) with a = e^(−2σ cos θt).
-/// Every bounce and every way through it is the material's.
+/// A sphere of absorbing glass, of radius 1 under a sky of radiance 1: R + (1 − R)² a / (1 − R a) with a =
+/// e^(−2σ cos θt). Every bounce and every way through it is the material's.
 #[test]
 fn val_absorbing_glass_sphere() {
     for (sigma, expected) in [(0.5, [0.38410, 0.47089, 0.60337]), (2.0, [0.05689, 0.12095, 0.40641])] {
@@ -117,7 +118,8 @@ fn rough_glass_loses_light_unless_it_follows_all_orders() {
     assert!((total("frosted_glass_all_orders") - 1.0).abs() < 3e-3);
 }
 
-/// Absorption of a window is Beer's along the refracted way: the closed form of the thin sheet, η = 1.5, σ d = 0.3, 60°.
+/// Absorption of a window is Beer's along the refracted way: the closed form of the thin sheet, η = 1.5, σ d
+/// = 0.3, 60°.
 #[test]
 fn val_thin_glass() {
     let values = [("absorbance", 0.6.into()), ("thickness", Value::Number(0.5))];

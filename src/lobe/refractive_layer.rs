@@ -204,7 +204,7 @@ impl<F: Real> RefractiveLayer<F> {
 
     /// A delta of the base, seen through the layer.
     fn through(&self, wo: F::Vec3, scatter: &BxdfSample<F>, probability: F) -> Option<BxdfSample<F>> {
-        // Near grazing incidence the refracted direction has forgotten most digits of the cosine; a mirror needs none.
+        // Near grazing incidence the refracted direction has lost the cosine; a mirror needs none.
         let wi = if scatter.wi == mirror::<F>(self.refracted(wo)) {
             mirror::<F>(wo)
         } else {

@@ -31,7 +31,7 @@ pub(super) const fn parameters(roughness: f64) -> [Parameter; 5] {
             default: Some(Value::Number(0.0)),
             norm: None,
             unit: "length",
-            doc: "In the unit that absorbance is per; the thesis's is dimensionless. Only d σ matters: 3 hides the base.",
+            doc: "In the unit of absorbance; the thesis has none. Only d σ matters: 3 hides the base.",
         },
         Parameter {
             id: "absorbance",

@@ -29,7 +29,7 @@ pub(super) const REDUCTION: Parameter = Parameter {
         choices: &[
             Choice {
                 name: "fitted",
-                doc: "the index per channel whose reflectance is closest to the colour under daylight, 0° to 88°",
+                doc: "the index per channel that is closest to the colour in daylight, 0° to 88°",
             },
             Choice {
                 name: "measured",
@@ -76,7 +76,7 @@ pub(super) const ANISOTROPY: Parameter = Parameter {
     default: Some(Value::Number(1.0)),
     norm: Some(Norm { range: [0.1, 10.0], source: "ours: beyond, a highlight is a line" }),
     unit: "",
-    doc: "αx = α / √ratio and αy = α √ratio, which keeps their product; the thesis prints \"r_y/r/x\". Neither may exceed 1.",
+    doc: "αx = α / √ratio, αy = α √ratio, neither above 1; the thesis prints \"r_y/r/x\".",
 };
 
 pub(super) const ROTATION: Parameter = Parameter {

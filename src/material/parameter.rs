@@ -16,7 +16,8 @@ use crate::rgb::Rgb;
 /// A parameter of a material.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Parameter {
-    /// What it is called in files and by [`super::Material::new`]; a member of a group is called `group.member`.
+    /// What it is called in files and by [`super::Material::new`]; a member of a group is called
+    /// `group.member`.
     pub id: &'static str,
     /// What it is called by people.
     pub label: &'static str,

@@ -1,4 +1,5 @@
-//! Thin glass: a sheet modelled by a single face. The thesis uses it in §5.5 (Figure 14) and does not present it.
+//! Thin glass: a sheet modelled by a single face. The thesis uses it in §5.5 (Figure 14) and does not present
+//! it.
 
 use super::glass::ETA;
 use super::parameter::Values;
