@@ -44,7 +44,7 @@ pub(crate) struct General {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// Lobes, specimens and suites
+    /// Lobes, materials, presets, specimens and suites
     List(list::Options),
     /// Runs the suites on specimens and prints a verdict for each
     Verify(verify::Options),
@@ -127,6 +127,7 @@ gonio verifies materials and BxDFs.
   gonio report --check                    does reports/ still say what would be written?
   gonio verify                            every specimen against every suite
   gonio verify rough_conductor            one family;  gonio list  names them all
+  gonio list metal                        the parameters of a material;  gonio list  names them, and presets
   gonio verify --self-check               planted bugs: does every suite find what it must?
   gonio verify --shard 1/4 --output json=1.json   a quarter of the run;  gonio merge *.json  makes it whole
   gonio verify planted/density_without_the_jacobian   what a violation says

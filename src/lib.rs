@@ -12,6 +12,7 @@
 //! |---|---|
 //! | 5 | [`record`], [`report`] |
 //! | 4 | [`specimen`], [`planted`]; `bxdf_tests` is named from here up only |
+//! | 3 | [`material`] |
 //! | 2 | [`bxdf`], [`lobe`], [`stack`] |
 //! | 1 | [`fresnel`], [`microfacet`], [`ior`] |
 //! | 0 | [`real`], [`frame`], [`warp`], [`rgb`], [`special`], [`parameter`], `quadrature`, `table` |
@@ -38,6 +39,7 @@ pub mod frame;
 pub mod fresnel;
 pub mod ior;
 pub mod lobe;
+pub mod material;
 pub mod microfacet;
 pub mod parameter;
 pub mod planted;

@@ -1,8 +1,9 @@
 //! How our lobes enter the laboratory: the example that every renderer follows.
 //!
 //! [`catalogue`] lists every case of every [`Kind`] in both precisions; the cases of lobes are in
-//! `specimen/cases.rs`, those of stacks in `specimen/stacks.rs`. A lobe without promises or without an arm there
-//! does not build; a kind without a case fails a test by name.
+//! `specimen/cases.rs`, those of stacks in `specimen/stacks.rs`, those of materials are the presets of
+//! [`crate::material`], of which only the first of each material also runs in single precision. A lobe
+//! without promises or without an arm there does not build; a kind without a case fails a test by name.
 
 mod cases;
 mod stacks;
@@ -23,6 +24,7 @@ use crate::lobe::{
     DielectricSpecular, LayerError, Lobe, LobeKind, MicrofacetDielectric, MicrofacetReflection,
     OrenNayarModel,
 };
+use crate::material::{Material, MaterialError, Model, PRESETS, Preset};
 use crate::microfacet::{Distribution, NoSmithForm, Shadowing, Shape};
 use crate::parameter::OutOfRange;
 use crate::real::{Real, Vector};
@@ -68,6 +70,24 @@ impl<F: Real> BxdfSpecimen<F> {
             ..Claims::reflector(precision::<F>())
         };
         Self::new(name, Arc::new(stack), claims)
+    }
+
+    /// The specimen `name/precision` of a material, with what its lobes promise.
+    pub fn of_material(name: &str, material: Material<F>) -> Self {
+        let is_isotropic = material.is_isotropic();
+        let specimen = match material.stack().components() {
+            // What a lobe promises of its micro surface holds in the lobe's own frame.
+            [lobe] if !material.is_turned() => Self::of_lobe(name, lobe.clone()),
+            [Lobe::MicrofacetDielectric(single), Lobe::KullaContyDielectric(_)] if single.is_lossless() => {
+                // Tables of 129 points, linear between them.
+                Self::of_stack(name, material.stack().clone(), Energy::Lossless { within: 3e-3 })
+            }
+            _ => Self::of_stack(name, material.stack().clone(), Energy::Conserving),
+        };
+        let claims = Claims { isotropic: is_isotropic, ..specimen.claims };
+        let claims =
+            if rests_on_tables_alone(material.stack()) { Claims { energy: None, ..claims } } else { claims };
+        Self { bxdf: Arc::new(material), claims, family: None, ..specimen }
     }
 
     /// The same specimen without the promise that turning it about the normal changes nothing.
@@ -174,6 +194,15 @@ fn terms<F: Real>(lobe: &Lobe<F>) -> (Option<Fresnel<F>>, Option<Distribution<F>
             (white_boundary(lobe.eta(), lobe.is_lossless()), rough(lobe.distribution()))
         }
     }
+}
+
+/// `true` where all orders of a metal add up to 1 in some channel but for the error of a table, 8e-4 up or
+/// down: the red of gold that is fitted to sRGB.
+fn rests_on_tables_alone<F: Real>(stack: &Stack<F>) -> bool {
+    let [Lobe::MicrofacetReflection(single), Lobe::KullaContyReflection(_)] = stack.components() else {
+        return false;
+    };
+    single.fresnel().reflectance(F::ONE).0.into_iter().any(|channel| channel > F::from_f64(0.999))
 }
 
 /// The distribution of a lobe unless the lobe is too smooth to be resolved.
@@ -347,6 +376,8 @@ pub enum Kind {
     Lobe(LobeKind),
     /// Several lobes as one BxDF.
     Stack,
+    /// The presets of a material, the first of them in both precisions, the others in double precision.
+    Material(Model),
     /// Every roughness with every material; not part of the catalogue, which has each of them somewhere.
     Grid,
 }
@@ -354,7 +385,8 @@ pub enum Kind {
 impl Kind {
     /// The kinds that make the catalogue.
     pub fn catalogue() -> impl Iterator<Item = Self> {
-        LobeKind::ALL.iter().map(|&kind| Self::Lobe(kind)).chain([Self::Stack])
+        let lobes = LobeKind::ALL.iter().map(|&kind| Self::Lobe(kind));
+        lobes.chain([Self::Stack]).chain(Model::ALL.iter().map(|&model| Self::Material(model)))
     }
 
     /// Its name, which means all its specimens.
@@ -362,6 +394,7 @@ impl Kind {
         match self {
             Self::Lobe(kind) => kind.name(),
             Self::Stack => "stack",
+            Self::Material(model) => model.name(),
             Self::Grid => "grid",
         }
     }
@@ -371,6 +404,7 @@ impl Kind {
         match self {
             Self::Lobe(kind) => kind.summary(),
             Self::Stack => "several lobes as one BxDF",
+            Self::Material(model) => model.summary(),
             Self::Grid => "rough conductors and dielectrics, every roughness with every index: the long form",
         }
     }
@@ -379,12 +413,23 @@ impl Kind {
         match self {
             Self::Lobe(kind) => cases::of_lobe(kind),
             Self::Stack => stacks::cases(),
+            Self::Material(model) => presets(model),
             Self::Grid => cases::grid(),
         }
     }
 }
 
-/// Every case of every kind, in both precisions.
+/// The presets of a material: `material/preset`.
+fn presets<F: Real>(model: Model) -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> {
+    let presets = PRESETS.iter().filter(|preset| preset.model == model);
+    let count = if precision::<F>() == Precision::F64 { usize::MAX } else { 1 };
+    let specimen = |preset: &Preset| {
+        Ok(BxdfSpecimen::of_material(&format!("material/{}", preset.name), preset.material()?))
+    };
+    presets.take(count).collect::<Vec<_>>().into_par_iter().map(specimen).collect()
+}
+
+/// Every case of every kind, in both precisions but for further presets of a material.
 ///
 /// # Errors
 /// Never for the parameters listed here; the constructors' errors are passed on rather than unwrapped.
@@ -455,6 +500,9 @@ pub enum CatalogueError {
     /// An optical constant is not to be had.
     #[error(transparent)]
     Ior(#[from] ior::IorError),
+    /// A preset that is not a material.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
 }
 
 #[cfg(test)]
@@ -463,10 +511,28 @@ mod tests {
 
     #[test]
     fn every_kind_has_cases_in_both_precisions() {
-        for kind in Kind::catalogue().chain([Kind::Grid]) {
+        let is_material = |kind: &Kind| matches!(kind, Kind::Material(_));
+        for kind in Kind::catalogue().chain([Kind::Grid]).filter(|kind| !is_material(kind)) {
             let single = kind.cases::<f32>().unwrap().len();
             assert!(single > 0, "{} has no cases", kind.name());
             assert_eq!(single, kind.cases::<f64>().unwrap().len());
+        }
+    }
+
+    #[test]
+    fn every_material_and_every_preset_is_examined() {
+        let mut examined = Vec::new();
+        for &model in Model::ALL {
+            let [single, double] = [
+                Kind::Material(model).cases::<f32>().unwrap().len(),
+                Kind::Material(model).cases::<f64>().unwrap().len(),
+            ];
+            assert!(double > 0, "{} has no preset", model.name());
+            assert_eq!(single, 1, "{} in single precision", model.name());
+            examined.extend(specimens_of(Kind::Material(model)).unwrap().iter().map(|case| case.name()));
+        }
+        for preset in PRESETS {
+            assert!(examined.contains(&format!("material/{}/f64", preset.name)), "{}", preset.name);
         }
     }
 

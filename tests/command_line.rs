@@ -143,6 +143,20 @@ fn lists_are_for_people_and_for_programs() {
     let lists: serde_json::Value = serde_json::from_str(&accepted(&["list", "--format", "json"])).unwrap();
     assert_eq!(lists["lobes"][0]["specimens"][0], "lambertian/white/f64");
     assert!(accepted(&["list"]).contains("lambertian/white/f64"));
+    let metal = lists["materials"].as_array().unwrap().iter().find(|model| model["name"] == "metal").unwrap();
+    let alpha = metal["parameters"].as_array().unwrap().iter().find(|one| one["id"] == "alpha").unwrap();
+    assert_eq!(alpha["type"], "number");
+    assert_eq!(alpha["range"], serde_json::json!([0.0, 1.0]));
+    let gold = lists["presets"].as_array().unwrap().iter().find(|one| one["name"] == "rough_gold").unwrap();
+    assert_eq!(gold["model"], "metal");
+    assert_eq!(gold["values"]["ior"], "gold/Johnson-1972");
+    assert!(accepted(&["list", "plastic"]).contains("coat.thickness: thickness d"));
+    assert!(accepted(&["list", "ruby"]).contains("eta = 1.768"));
+    let ruby: serde_json::Value =
+        serde_json::from_str(&accepted(&["list", "ruby", "--format", "json"])).unwrap();
+    assert_eq!(ruby["figure"], "figure 6");
+    let message = refused(&["list", "tyre_ruber"]);
+    assert!(message.contains("`tyre_ruber`; did you mean tyre_rubber"), "{message}");
     assert!(accepted(&["ior", "list"]).contains("tungsten/Weaver-1975"));
     assert!(accepted(&["ior", "show", "copper/Johnson-1972"]).contains("10.1103/PhysRevB.6.4370"));
     assert!(accepted(&["ior", "compare", "copper"]).contains("spread"));

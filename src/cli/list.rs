@@ -1,9 +1,11 @@
-//! `gonio list`: lobes, stacks, specimens and suites.
+//! `gonio list`: lobes, stacks, materials, presets, specimens and suites.
 
 use std::fmt::Write as _;
 use std::process::ExitCode;
 
 use bxdf_tests::Suite;
+use gonio::material::{Model, PRESETS, Parameter, ParameterKind, Preset, Value, flattened};
+use gonio::parameter::did_you_mean;
 use gonio::specimen::{CatalogueError, Kind, specimens_of};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -12,6 +14,8 @@ use super::{Failure, Format, print};
 
 #[derive(clap::Args)]
 pub(crate) struct Options {
+    /// A material or a preset: its parameters, or its values; everything unless given
+    name: Option<String>,
     /// How to print
     #[arg(long, value_enum, default_value = "full")]
     format: Format,
@@ -31,9 +35,24 @@ struct Group {
 }
 
 #[derive(Serialize)]
+struct Material {
+    name: &'static str,
+    summary: &'static str,
+    parameters: &'static [Parameter],
+}
+
+impl Material {
+    fn of(model: Model) -> Self {
+        Self { name: model.name(), summary: model.summary(), parameters: model.parameters() }
+    }
+}
+
+#[derive(Serialize)]
 struct Lists {
     lobes: Vec<Group>,
     stacks: Vec<Group>,
+    materials: Vec<Material>,
+    presets: &'static [Preset],
     suites: Vec<Named>,
 }
 
@@ -47,9 +66,15 @@ fn groups(keep: impl Fn(&Kind) -> bool) -> Result<Vec<Group>, CatalogueError> {
 }
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
+    if let Some(name) = &options.name {
+        print(&one(name, options.format)?)?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let lists = Lists {
         lobes: groups(|kind| matches!(kind, Kind::Lobe(_)))?,
         stacks: groups(|kind| matches!(kind, Kind::Stack))?,
+        materials: Model::ALL.iter().copied().map(Material::of).collect(),
+        presets: PRESETS,
         suites: Suite::ALL
             .iter()
             .map(|suite| Named { name: suite.name(), summary: suite.statement() })
@@ -61,6 +86,59 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     };
     print(&text)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// What there is to say of a material or a preset.
+fn one(name: &str, format: Format) -> Result<String, Failure> {
+    let preset = PRESETS.iter().find(|preset| preset.name == name);
+    let model = Model::ALL.iter().copied().find(|model| model.name() == name);
+    match (format, model, preset) {
+        (Format::Json, Some(model), _) => Ok(serde_json::to_string_pretty(&Material::of(model))? + "\n"),
+        (Format::Full, Some(model), _) => Ok(parameters_of(model)?),
+        (Format::Json, None, Some(preset)) => Ok(serde_json::to_string_pretty(preset)? + "\n"),
+        (Format::Full, None, Some(preset)) => Ok(values_of(preset)?),
+        (_, None, None) => {
+            let names = Model::ALL.iter().map(|model| model.name());
+            let hint = did_you_mean(name, names.chain(PRESETS.iter().map(|preset| preset.name)));
+            Err(format!("no material or preset is named `{name}`{hint}; `gonio list` shows all").into())
+        }
+    }
+}
+
+fn parameters_of(model: Model) -> Result<String, std::fmt::Error> {
+    let mut text = format!("{}: {}\n", model.name(), model.summary());
+    for (path, parameter) in flattened(model.parameters()) {
+        writeln!(text, "\n{path}: {}", parameter.label)?;
+        let is_group = matches!(parameter.kind, ParameterKind::Group { .. });
+        if !is_group {
+            write!(text, "  {}", parameter.expected())?;
+            match &parameter.default {
+                Some(default) => writeln!(text, "; {default} unless given")?,
+                None => writeln!(text, "; may be left out")?,
+            }
+        }
+        if let ParameterKind::Choice { choices } = parameter.kind {
+            for choice in choices {
+                writeln!(text, "    {:<18} {}", choice.name, choice.doc)?;
+            }
+        }
+        if let Some(norm) = parameter.norm {
+            let [low, high] = norm.range;
+            writeln!(text, "  usually in [{low}, {high}]: {}", norm.source)?;
+        }
+        writeln!(text, "  {}", parameter.doc)?;
+    }
+    Ok(text)
+}
+
+fn values_of(preset: &Preset) -> Result<String, std::fmt::Error> {
+    let mut text = format!("{}: {}\n", preset.name, preset.summary);
+    writeln!(text, "thesis, {}\n", preset.figure)?;
+    writeln!(text, "model = {}", Value::from(preset.model.name()))?;
+    for (path, value) in preset.values {
+        writeln!(text, "{path} = {value}")?;
+    }
+    Ok(text)
 }
 
 fn full(lists: &Lists) -> Result<String, std::fmt::Error> {
@@ -77,6 +155,18 @@ fn full(lists: &Lists) -> Result<String, std::fmt::Error> {
         for specimen in specimens {
             writeln!(text, "  {specimen}")?;
         }
+    }
+    writeln!(text, "\nMaterials; gonio list NAME shows the parameters of one")?;
+    for Material { name, summary, .. } in &lists.materials {
+        writeln!(text, "  {name:<12}{summary}")?;
+    }
+    writeln!(
+        text,
+        "\nPresets; gonio list NAME shows the values of one, gonio verify material/NAME examines it"
+    )?;
+    for preset in lists.presets {
+        let model = preset.model.name();
+        writeln!(text, "  {:<26}{model:<12}{} ({})", preset.name, preset.summary, preset.figure)?;
     }
     writeln!(text, "\n{}: {}", Kind::Grid.name(), Kind::Grid.summary())?;
     Ok(text)

@@ -18,7 +18,7 @@ use super::{Failure, General, Judgement, Run, print, self_check};
 
 #[derive(clap::Args)]
 pub(crate) struct Options {
-    /// Lobes, `stack`, specimens, or beginnings of their names; the catalogue unless given, `grid` for the long form,
+    /// Lobes, `stack`, materials, specimens, or beginnings of their names; the catalogue unless given, `grid` for the long form,
     /// `planted` for planted bugs
     names: Vec<String>,
     /// Only this suite; may be given several times. All unless given

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use crate::bxdf::{Bxdf, BxdfSample, LobeFlags, Pdf, TransportMode};
-use crate::frame::is_above;
+use crate::frame::{is_above, mirror};
 use crate::fresnel::dielectric;
 use crate::lobe::MicrofacetDielectric;
 use crate::lobe::microfacet_dielectric::SingleScattering;
@@ -204,7 +204,12 @@ impl<F: Real> RefractiveLayer<F> {
 
     /// A delta of the base, seen through the layer.
     fn through(&self, wo: F::Vec3, scatter: &BxdfSample<F>, probability: F) -> Option<BxdfSample<F>> {
-        let wi = self.emerging(scatter.wi)?;
+        // Near grazing incidence the refracted direction has lost the cosine; a mirror needs none.
+        let wi = if scatter.wi == mirror::<F>(self.refracted(wo)) {
+            mirror::<F>(wo)
+        } else {
+            self.emerging(scatter.wi)?
+        };
         let mut weight = self.enters(wo.z()) * self.enters(wi.z()) * scatter.weight;
         if self.is_delta() {
             // All internal reflections keep their angle: a geometric series.

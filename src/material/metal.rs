@@ -1,0 +1,171 @@
+//! Metal (thesis §4.2.5): a conductor by its index per channel, smooth or rough, isotropic or brushed.
+
+use super::parameter::Values;
+use super::{
+    Build, Choice, DISTRIBUTION, MaterialError, Norm, Parameter, ParameterKind, SCATTERING, Value, alpha,
+    follows_all_orders, reflection, shape,
+};
+use crate::fresnel::Fresnel;
+use crate::ior::{self, IorError};
+use crate::lobe::KullaContyReflection;
+use crate::microfacet::Distribution;
+use crate::real::Real;
+use crate::rgb::Rgb;
+
+pub(super) const IOR: Parameter = Parameter {
+    id: "ior",
+    label: "measured index",
+    kind: ParameterKind::DataSet,
+    default: Some(Value::text("aluminium/Rakic-1995")),
+    norm: None,
+    unit: "",
+    doc: "Data set of η + ik over wavelength, relative to vacuum.",
+};
+
+pub(super) const REDUCTION: Parameter = Parameter {
+    id: "reduction",
+    label: "from wavelengths to channels",
+    kind: ParameterKind::Choice {
+        choices: &[
+            Choice {
+                name: "fitted",
+                doc: "the index per channel that is closest to the colour in daylight, 0° to 88°",
+            },
+            Choice {
+                name: "measured",
+                doc: "the index at 630, 532 and 465 nm: values for specific wavelengths (thesis)",
+            },
+        ],
+    },
+    default: Some(Value::text("fitted")),
+    norm: None,
+    unit: "",
+    doc: "How the data set becomes one complex index per channel.",
+};
+
+const fn index(id: &'static str, label: &'static str, norm: Norm, doc: &'static str) -> Parameter {
+    Parameter {
+        id,
+        label,
+        kind: ParameterKind::Colour { range: [0.0, 1e3] },
+        default: None,
+        norm: Some(norm),
+        unit: "",
+        doc,
+    }
+}
+
+pub(super) const ETA: Parameter = index(
+    "eta",
+    "index of refraction η",
+    Norm { range: [0.0, 4.0], source: "metals of reference-data/ior, 465 to 630 nm" },
+    "Real part per channel, relative to vacuum: in place of a data set, together with k.",
+);
+
+pub(super) const K: Parameter = index(
+    "k",
+    "extinction k",
+    Norm { range: [1.0, 10.0], source: "metals of reference-data/ior, 465 to 630 nm" },
+    "Imaginary part per channel, together with eta.",
+);
+
+pub(super) const ANISOTROPY: Parameter = Parameter {
+    id: "anisotropy",
+    label: "anisotropy αy / αx",
+    kind: ParameterKind::Number { range: [0.01, 100.0] },
+    default: Some(Value::Number(1.0)),
+    norm: Some(Norm { range: [0.1, 10.0], source: "ours: beyond, a highlight is a line" }),
+    unit: "",
+    doc: "αx = α / √ratio, αy = α √ratio, neither above 1; the thesis prints \"r_y/r/x\".",
+};
+
+pub(super) const ROTATION: Parameter = Parameter {
+    id: "rotation_deg",
+    label: "rotation of the tangents",
+    kind: ParameterKind::Number { range: [-360.0, 360.0] },
+    default: Some(Value::Number(0.0)),
+    norm: None,
+    unit: "°",
+    doc: "From the surface's first tangent to the direction x of αx, about the normal (thesis 2.3.5).",
+};
+
+pub(super) const PARAMETERS: &[Parameter] =
+    &[IOR, REDUCTION, ETA, K, alpha(0.1), ANISOTROPY, ROTATION, DISTRIBUTION, SCATTERING];
+
+/// Wavelengths of the channels where the reduction is `measured` \[nm\].
+const WAVELENGTHS_NM: [f64; 3] = [630.0, 532.0, 465.0];
+
+/// The Fresnel term of the metal in vacuum.
+pub(super) fn fresnel<F: Real>(values: &Values) -> Result<Fresnel<F>, MaterialError> {
+    if values.is_given("eta") || values.is_given("k") {
+        if values.is_given("ior") {
+            return Err(MaterialError::Contradiction {
+                parameter: "ior",
+                other: if values.is_given("eta") { "eta" } else { "k" },
+                reason: "an index is a data set or numbers",
+            });
+        }
+        return Ok(Fresnel::conductor(values.colour("eta")?, values.colour("k")?)?);
+    }
+    let is_measured = values.text("reduction")? == "measured";
+    let reduced = || -> Result<_, IorError> {
+        let table = ior::load(values.text("ior").unwrap_or_default())?;
+        if !is_measured {
+            let fitted = table.fitted_rgb()?;
+            return Ok([fitted.eta, fitted.k]);
+        }
+        let mut channels = [[0.0; 3]; 2];
+        for (channel, wavelength_nm) in WAVELENGTHS_NM.into_iter().enumerate() {
+            let index = table.at(wavelength_nm)?;
+            (channels[0][channel], channels[1][channel]) = (index.eta, index.k);
+        }
+        Ok(channels)
+    };
+    let channels =
+        reduced().map_err(|source| MaterialError::DataSet { parameter: "ior".to_owned(), source })?;
+    let [eta, k] = channels.map(|part| Rgb(part.map(F::from_f64)));
+    Ok(Fresnel::conductor(eta, k)?)
+}
+
+/// The micro surface of the metal.
+pub(super) fn distribution<F: Real>(values: &Values) -> Result<Distribution<F>, MaterialError> {
+    let (alpha, ratio) = (values.number::<f64>("alpha")?, values.number::<f64>("anisotropy")?);
+    let root = ratio.sqrt();
+    let [alpha_x, alpha_y] = [alpha / root, alpha * root];
+    if alpha_x.max(alpha_y) > 1.0 {
+        let largest = 1.0 / (alpha * alpha);
+        return Err(MaterialError::Unacceptable {
+            parameter: ANISOTROPY.id.to_owned(),
+            value: ratio.to_string(),
+            expected: format!(
+                "with alpha = {alpha} a ratio in [{:.4}, {largest:.4}]: neither αx nor αy above 1",
+                1.0 / largest
+            ),
+        });
+    }
+    Ok(Distribution::new(shape(values, "distribution")?, F::from_f64(alpha_x), F::from_f64(alpha_y))?)
+}
+
+/// The same build with its tangents where the parameters want them.
+pub(super) fn turned<F: Real>(
+    build: Build<F>,
+    distribution: &Distribution<F>,
+    values: &Values,
+) -> Result<Build<F>, MaterialError> {
+    if distribution.is_smooth() || distribution.is_isotropic() {
+        return Ok(build);
+    }
+    let degrees: f64 = values.number("rotation_deg")?;
+    let (sin, cos) = Real::sin_cos(degrees.to_radians());
+    let turn = (degrees != 0.0).then_some([F::from_f64(cos), F::from_f64(sin)]);
+    Ok(Build { turn, is_isotropic: false, ..build })
+}
+
+pub(super) fn build<F: Real>(values: &Values) -> Result<Build<F>, MaterialError> {
+    let (fresnel, distribution) = (fresnel(values)?, distribution(values)?);
+    let mut lobes = vec![reflection(distribution, fresnel)];
+    if follows_all_orders(values)? {
+        lobes.push(KullaContyReflection::new(distribution, fresnel).into());
+    }
+    turned(Build::isotropic(lobes)?, &distribution, values)
+}

@@ -1,0 +1,24 @@
+//! Mirror (thesis §4.2.3): ideal specular reflection, the same at every angle.
+
+use super::parameter::Values;
+use super::{Build, MaterialError, Norm, Parameter, ParameterKind, Value};
+use crate::fresnel::Fresnel;
+use crate::lobe::SpecularReflection;
+use crate::real::Real;
+
+pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
+    id: "reflectance",
+    label: "reflectance R",
+    kind: ParameterKind::Colour { range: [0.0, 1.0] },
+    default: Some(Value::Number(1.0)),
+    norm: Some(Norm {
+        range: [0.5, 0.99],
+        source: "from stainless steel to silver; at 1 paths between two mirrors never end",
+    }),
+    unit: "",
+    doc: "Share of the light that the mirror returns.",
+}];
+
+pub(super) fn build<F: Real>(values: &Values) -> Result<Build<F>, MaterialError> {
+    Build::isotropic([SpecularReflection::new(Fresnel::constant(values.colour("reflectance")?)?).into()])
+}

@@ -1,0 +1,295 @@
+//! The parameters of materials as one table, and values that have been held against it.
+//!
+//! Everything that speaks of parameters reads this table: constructors, `gonio list`, files and their schema.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use serde::Serialize;
+
+use super::MaterialError;
+use crate::ior;
+use crate::parameter::did_you_mean;
+use crate::real::Real;
+use crate::rgb::Rgb;
+
+/// A parameter of a material.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Parameter {
+    /// What it is called in files and by [`super::Material::new`]; a member of a group is called
+    /// `group.member`.
+    pub id: &'static str,
+    /// What it is called by people.
+    pub label: &'static str,
+    /// What it takes. Nothing else is accepted.
+    #[serde(flatten)]
+    pub kind: ParameterKind,
+    /// What it is unless given; `None` for a parameter that may be left out, and for a group.
+    pub default: Option<Value>,
+    /// Outside, a value is possible but rarely meant.
+    pub norm: Option<Norm>,
+    /// Unit; empty for numbers without one.
+    pub unit: &'static str,
+    /// What it does, where it stands in the thesis, and where we differ.
+    pub doc: &'static str,
+}
+
+/// What a parameter takes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum ParameterKind {
+    /// A number.
+    Number {
+        /// Smallest and largest.
+        range: [f64; 2],
+    },
+    /// A number per channel, linear with Rec. 709 primaries; a single number is grey.
+    Colour {
+        /// Smallest and largest of each channel.
+        range: [f64; 2],
+    },
+    /// One of a few numbers.
+    OneOf {
+        /// The numbers.
+        numbers: &'static [f64],
+    },
+    /// One of a few names.
+    Choice {
+        /// The names.
+        choices: &'static [Choice],
+    },
+    /// Optical constants: a table of [`crate::ior`], or the path of a CSV file.
+    DataSet,
+    /// Several parameters that belong together.
+    Group {
+        /// Its members.
+        parameters: &'static [Parameter],
+    },
+}
+
+/// A name that a parameter takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Choice {
+    /// The name.
+    pub name: &'static str,
+    /// What it means.
+    pub doc: &'static str,
+}
+
+/// Where values usually lie.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Norm {
+    /// Smallest and largest, of each channel if it is a colour.
+    pub range: [f64; 2],
+    /// Who says so.
+    pub source: &'static str,
+}
+
+/// The value of a parameter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// A number; for a colour it is grey.
+    Number(f64),
+    /// A number per channel.
+    Colour([f64; 3]),
+    /// A choice or a data set.
+    Text(Cow<'static, str>),
+}
+
+impl Value {
+    /// A text in a table.
+    pub(super) const fn text(text: &'static str) -> Self {
+        Self::Text(Cow::Borrowed(text))
+    }
+}
+
+impl From<f64> for Value {
+    fn from(number: f64) -> Self {
+        Self::Number(number)
+    }
+}
+
+impl From<[f64; 3]> for Value {
+    fn from(colour: [f64; 3]) -> Self {
+        Self::Colour(colour)
+    }
+}
+
+impl From<&'static str> for Value {
+    fn from(text: &'static str) -> Self {
+        Self::text(text)
+    }
+}
+
+impl From<String> for Value {
+    fn from(text: String) -> Self {
+        Self::Text(text.into())
+    }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "{number}"),
+            Self::Colour([red, green, blue]) => write!(f, "[{red}, {green}, {blue}]"),
+            Self::Text(text) => write!(f, "\"{text}\""),
+        }
+    }
+}
+
+impl Parameter {
+    /// What it takes, in words.
+    pub fn expected(&self) -> String {
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" [{}]", self.unit) };
+        match self.kind {
+            ParameterKind::Number { range: [low, high] } => format!("a number in [{low}, {high}]{unit}"),
+            ParameterKind::Colour { range: [low, high] } => {
+                format!("[red, green, blue] or a grey, each in [{low}, {high}]{unit}")
+            }
+            ParameterKind::OneOf { numbers } => {
+                let numbers: Vec<_> = numbers.iter().map(f64::to_string).collect();
+                format!("one of {}{unit}", numbers.join(", "))
+            }
+            ParameterKind::Choice { choices } => {
+                let names: Vec<_> = choices.iter().map(|choice| format!("\"{}\"", choice.name)).collect();
+                format!("one of {}", names.join(", "))
+            }
+            ParameterKind::DataSet => "a data set of `gonio ior list` or the path of a CSV file".to_owned(),
+            ParameterKind::Group { parameters } => {
+                let ids: Vec<_> = parameters.iter().map(|member| member.id).collect();
+                format!("a group of {}", ids.join(", "))
+            }
+        }
+    }
+
+    /// The value in the form of this parameter, if it is one that the parameter takes.
+    fn accept(&self, path: &str, value: Value) -> Result<Value, MaterialError> {
+        let is_in = |[low, high]: [f64; 2], number: f64| number >= low && number <= high;
+        match (self.kind, &value) {
+            (ParameterKind::Number { range }, &Value::Number(number)) if is_in(range, number) => Ok(value),
+            (ParameterKind::OneOf { numbers }, Value::Number(number)) if numbers.contains(number) => {
+                Ok(value)
+            }
+            (ParameterKind::Colour { range }, &Value::Number(grey)) if is_in(range, grey) => {
+                Ok(Value::Colour([grey; 3]))
+            }
+            (ParameterKind::Colour { range }, Value::Colour(colour))
+                if colour.iter().all(|&channel| is_in(range, channel)) =>
+            {
+                Ok(value)
+            }
+            (ParameterKind::Choice { choices }, Value::Text(text))
+                if choices.iter().any(|choice| choice.name == text) =>
+            {
+                Ok(value)
+            }
+            (ParameterKind::DataSet, Value::Text(text)) => match ior::load(text) {
+                Ok(_) => Ok(value),
+                Err(source) => Err(MaterialError::DataSet { parameter: path.to_owned(), source }),
+            },
+            _ => Err(MaterialError::Unacceptable {
+                parameter: path.to_owned(),
+                value: value.to_string(),
+                expected: self.expected(),
+            }),
+        }
+    }
+}
+
+/// Every parameter with its path, members of groups after the group.
+pub fn flattened(parameters: &'static [Parameter]) -> Vec<(String, &'static Parameter)> {
+    let mut all = Vec::new();
+    for parameter in parameters {
+        all.push((parameter.id.to_owned(), parameter));
+        if let ParameterKind::Group { parameters } = parameter.kind {
+            let members = flattened(parameters).into_iter();
+            all.extend(members.map(|(path, member)| (format!("{}.{path}", parameter.id), member)));
+        }
+    }
+    all
+}
+
+/// Values that a table of parameters accepts.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Values {
+    /// The material that the table is of.
+    material: &'static str,
+    parameters: &'static [Parameter],
+    given: Vec<(String, Value)>,
+}
+
+impl Values {
+    /// Defaults for everything.
+    pub(super) fn new(material: &'static str, parameters: &'static [Parameter]) -> Self {
+        Self { material, parameters, given: Vec::new() }
+    }
+
+    /// The parameter at a path.
+    fn parameter(&self, path: &str) -> Result<&'static Parameter, MaterialError> {
+        let all = flattened(self.parameters);
+        all.iter().find(|(known, _)| known == path).map(|&(_, parameter)| parameter).ok_or_else(|| {
+            let takes = || all.iter().map(|(known, _)| known.as_str());
+            MaterialError::UnknownParameter {
+                material: self.material,
+                parameter: path.to_owned(),
+                hint: did_you_mean(path, takes()),
+                takes: takes().collect::<Vec<_>>().join(", "),
+            }
+        })
+    }
+
+    /// The same with a parameter set, if its table accepts the value.
+    pub(super) fn with(mut self, path: &str, value: Value) -> Result<Self, MaterialError> {
+        let value = self.parameter(path)?.accept(path, value)?;
+        self.given.retain(|(given, _)| given != path);
+        self.given.push((path.to_owned(), value));
+        Ok(self)
+    }
+
+    /// The values that differ from the defaults, or repeat them.
+    pub(super) fn given(&self) -> &[(String, Value)] {
+        &self.given
+    }
+
+    /// Has the parameter been given?
+    pub(super) fn is_given(&self, path: &str) -> bool {
+        self.given.iter().any(|(given, _)| given == path)
+    }
+
+    /// The value of a parameter, given or by default; `None` where it has been left out.
+    pub(super) fn get(&self, path: &str) -> Result<Option<&Value>, MaterialError> {
+        let parameter = self.parameter(path)?;
+        let given = self.given.iter().find(|(given, _)| given == path);
+        Ok(given.map(|(_, value)| value).or(parameter.default.as_ref()))
+    }
+
+    /// The value of a number.
+    pub(super) fn number<F: Real>(&self, path: &str) -> Result<F, MaterialError> {
+        match self.get(path)? {
+            Some(&Value::Number(number)) => Ok(F::from_f64(number)),
+            _ => Err(self.missing(path)),
+        }
+    }
+
+    /// The value of a colour.
+    pub(super) fn colour<F: Real>(&self, path: &str) -> Result<Rgb<F>, MaterialError> {
+        match self.get(path)? {
+            Some(&Value::Number(grey)) => Ok(Rgb::splat(F::from_f64(grey))),
+            Some(&Value::Colour(colour)) => Ok(Rgb(colour.map(F::from_f64))),
+            _ => Err(self.missing(path)),
+        }
+    }
+
+    /// The value of a choice or a data set.
+    pub(super) fn text(&self, path: &str) -> Result<&str, MaterialError> {
+        match self.get(path)? {
+            Some(Value::Text(text)) => Ok(text),
+            _ => Err(self.missing(path)),
+        }
+    }
+
+    fn missing(&self, path: &str) -> MaterialError {
+        MaterialError::Missing { material: self.material, parameter: path.to_owned() }
+    }
+}
