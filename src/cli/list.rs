@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::process::ExitCode;
 
 use bxdf_tests::Suite;
-use gonio::material::{Model, PRESETS, Parameter, ParameterKind, Preset, Value, flattened};
+use gonio::material::{Model, PRESETS, Parameter, ParameterKind, Preset, Value, flattened, preset};
 use gonio::parameter::did_you_mean;
 use gonio::specimen::{CatalogueError, Kind, specimens_of};
 use rayon::prelude::*;
@@ -90,9 +90,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
 
 /// What there is to say of a material or a preset.
 fn one(name: &str, format: Format) -> Result<String, Failure> {
-    let preset = PRESETS.iter().find(|preset| preset.name == name);
-    let model = Model::ALL.iter().copied().find(|model| model.name() == name);
-    match (format, model, preset) {
+    match (format, Model::named(name).ok(), preset(name).ok()) {
         (Format::Json, Some(model), _) => Ok(serde_json::to_string_pretty(&Material::of(model))? + "\n"),
         (Format::Full, Some(model), _) => Ok(parameters_of(model)?),
         (Format::Json, None, Some(preset)) => Ok(serde_json::to_string_pretty(preset)? + "\n"),

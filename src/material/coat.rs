@@ -2,12 +2,26 @@
 
 use std::sync::Arc;
 
+use super::glass::absorbance;
 use super::parameter::Values;
 use super::{DISTRIBUTION, MaterialError, Norm, Parameter, ParameterKind, Value, alpha, reflection, shape};
 use crate::fresnel::Fresnel;
 use crate::lobe::{Coat, Lobe, RefractiveLayer};
 use crate::microfacet::Distribution;
 use crate::real::Real;
+
+/// The thickness of a layer, in the length that its absorbance is per.
+pub(super) const fn thickness(default: f64, doc: &'static str) -> Parameter {
+    Parameter {
+        id: "thickness",
+        label: "thickness d",
+        kind: ParameterKind::Number { range: [0.0, 1e9] },
+        default: Some(Value::Number(default)),
+        norm: None,
+        unit: "length",
+        doc,
+    }
+}
 
 /// The members of the group, with the roughness that is usual for the material.
 pub(super) const fn parameters(roughness: f64) -> [Parameter; 5] {
@@ -24,24 +38,12 @@ pub(super) const fn parameters(roughness: f64) -> [Parameter; 5] {
             unit: "",
             doc: "Index of the coat over that of the outside; a higher one makes it more reflective.",
         },
-        Parameter {
-            id: "thickness",
-            label: "thickness d",
-            kind: ParameterKind::Number { range: [0.0, 1e9] },
-            default: Some(Value::Number(0.0)),
-            norm: None,
-            unit: "length",
-            doc: "In the unit of absorbance; the thesis has none. Only d σ matters: 3 hides the base.",
-        },
-        Parameter {
-            id: "absorbance",
-            label: "absorbance σ",
-            kind: ParameterKind::Colour { range: [0.0, 1e9] },
-            default: Some(Value::Number(0.0)),
-            norm: None,
-            unit: "1/length",
-            doc: "Napierian absorption coefficient, along the refracted way through the coat.",
-        },
+        thickness(0.0, "In the unit of absorbance; the thesis has none. Only d σ matters: 3 hides the base."),
+        absorbance(
+            "absorbance",
+            "absorbance σ",
+            "Napierian absorption coefficient, along the refracted way through the coat.",
+        ),
         alpha(roughness),
         DISTRIBUTION,
     ]

@@ -20,7 +20,8 @@ pub(super) const ETA: Parameter = Parameter {
     doc: "Index of the inside over that of the outside. Below 1: a bubble.",
 };
 
-const fn tint(id: &'static str, label: &'static str, doc: &'static str) -> Parameter {
+/// A factor of light per channel.
+pub(super) const fn tint(id: &'static str, label: &'static str, doc: &'static str) -> Parameter {
     Parameter {
         id,
         label,
@@ -32,7 +33,8 @@ const fn tint(id: &'static str, label: &'static str, doc: &'static str) -> Param
     }
 }
 
-const fn absorbance(id: &'static str, label: &'static str, doc: &'static str) -> Parameter {
+/// A coefficient of absorption, 0 unless given.
+pub(super) const fn absorbance(id: &'static str, label: &'static str, doc: &'static str) -> Parameter {
     Parameter {
         id,
         label,

@@ -1,41 +1,22 @@
 //! Thin glass: a sheet modelled by a single face. The thesis uses it in §5.5 (Figure 14) and does not present
 //! it.
 
-use super::glass::ETA;
+use super::coat::thickness;
+use super::glass::{ETA, absorbance, tint};
 use super::parameter::Values;
-use super::{Build, MaterialError, Parameter, ParameterKind, Value};
+use super::{Build, MaterialError, Parameter};
 use crate::lobe::ThinSheet;
 use crate::real::Real;
 
 pub(super) const PARAMETERS: &[Parameter] = &[
     ETA,
-    Parameter {
-        id: "thickness",
-        label: "thickness d",
-        kind: ParameterKind::Number { range: [0.0, 1e9] },
-        default: Some(Value::Number(1.0)),
-        norm: None,
-        unit: "length",
-        doc: "Of the sheet, in the unit that absorbance is per. It moves nothing sideways.",
-    },
-    Parameter {
-        id: "absorbance",
-        label: "absorbance σ",
-        kind: ParameterKind::Colour { range: [0.0, 1e9] },
-        default: Some(Value::Number(0.0)),
-        norm: None,
-        unit: "1/length",
-        doc: "Napierian absorption coefficient of the sheet.",
-    },
-    Parameter {
-        id: "transmission",
-        label: "transmission tint T",
-        kind: ParameterKind::Colour { range: [0.0, 1.0] },
-        default: Some(Value::Number(1.0)),
-        norm: None,
-        unit: "",
-        doc: "Multiplies all transmitted light: the \"transmittance factor\" of the thesis's tinted windows.",
-    },
+    thickness(1.0, "Of the sheet, in the unit that absorbance is per. It moves nothing sideways."),
+    absorbance("absorbance", "absorbance σ", "Napierian absorption coefficient of the sheet."),
+    tint(
+        "transmission",
+        "transmission tint T",
+        "Multiplies all transmitted light: the \"transmittance factor\" of the thesis's tinted windows.",
+    ),
 ];
 
 pub(super) fn build<F: Real>(values: &Values) -> Result<Build<F>, MaterialError> {
