@@ -15,7 +15,7 @@
 //! | 3 | [`material`] |
 //! | 2 | [`bxdf`], [`lobe`], [`stack`] |
 //! | 1 | [`fresnel`], [`microfacet`], [`ior`] |
-//! | 0 | [`real`], [`frame`], [`warp`], [`rgb`], [`special`], [`parameter`], `quadrature`, `table` |
+//! | 0 | [`real`], [`frame`], [`warp`], [`rgb`], [`special`], [`parameter`], [`message`], `quadrature`, `table` |
 //!
 //! # Conventions
 //! The frame is local: the normal is +z. `wo` is given, `wi` is sampled; both have unit length and leave the
@@ -40,6 +40,7 @@ pub mod fresnel;
 pub mod ior;
 pub mod lobe;
 pub mod material;
+pub mod message;
 pub mod microfacet;
 pub mod parameter;
 pub mod planted;

@@ -10,6 +10,7 @@
 
 mod car_paint;
 mod coat;
+mod description;
 mod fabric;
 mod glass;
 mod matte;
@@ -32,9 +33,11 @@ use crate::real::{Real, Vector};
 use crate::rgb::Rgb;
 use crate::stack::Stack;
 
+pub use description::Description;
 pub use parameter::{Choice, Norm, Parameter, ParameterKind, Value, flattened};
 pub use preset::{PRESETS, Preset, preset};
 
+use description::Rule;
 use parameter::Values;
 
 macro_rules! models {
@@ -62,6 +65,11 @@ macro_rules! models {
             /// The table of its parameters.
             pub fn parameters(self) -> &'static [Parameter] {
                 match self { $(Self::$name => $module::PARAMETERS,)+ }
+            }
+
+            /// What it demands of several parameters together.
+            fn rules(self) -> &'static [Rule] {
+                match self { $(Self::$name => $module::RULES,)+ }
             }
 
             fn build<F: Real>(self, values: &Values) -> Result<Build<F>, MaterialError> {
@@ -135,6 +143,28 @@ pub enum MaterialError {
         /// All its parameters.
         takes: String,
     },
+    /// A value of another kind than the parameter takes.
+    #[error("{parameter} = {value} is of the wrong type: expected {expected}")]
+    WrongType {
+        /// Path of the parameter.
+        parameter: String,
+        /// The value that was given.
+        value: String,
+        /// What it takes, in words, with the unit.
+        expected: String,
+    },
+    /// A name that the parameter does not take.
+    #[error("{parameter} = \"{value}\" is no choice{hint}; expected {expected}")]
+    UnknownChoice {
+        /// Path of the parameter.
+        parameter: String,
+        /// The name that was given.
+        value: String,
+        /// A question about similar names, or nothing.
+        hint: String,
+        /// What it takes, in words.
+        expected: String,
+    },
     /// A value that the parameter does not take.
     #[error("{parameter} = {value} is out of range: expected {expected}")]
     Unacceptable {
@@ -179,7 +209,27 @@ pub enum MaterialError {
     Layer(#[from] LayerError),
 }
 
+impl MaterialError {
+    /// Path of the parameter that it is about, if it is about one.
+    pub fn parameter(&self) -> Option<&str> {
+        match self {
+            Self::UnknownParameter { parameter, .. }
+            | Self::WrongType { parameter, .. }
+            | Self::UnknownChoice { parameter, .. }
+            | Self::Unacceptable { parameter, .. }
+            | Self::DataSet { parameter, .. } => Some(parameter),
+            Self::Contradiction { other, .. } => Some(other),
+            Self::UnknownModel { .. }
+            | Self::UnknownPreset { .. }
+            | Self::Missing { .. }
+            | Self::Lobe(_)
+            | Self::Layer(_) => None,
+        }
+    }
+}
+
 /// What a model makes of its values.
+#[derive(Clone, Debug)]
 struct Build<F: Real> {
     stack: Stack<F>,
     /// cos and sin of the angle by which the tangents are turned about the normal.
@@ -220,17 +270,12 @@ impl<F: Real> Build<F> {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Material<F: Real> {
-    model: Model,
-    values: Values,
-    stack: Stack<F>,
-    turn: Option<[F; 2]>,
-    is_isotropic: bool,
-    absorbance: [Rgb<F>; 2],
+    description: Description,
+    build: Build<F>,
 }
 
 impl<F: Real> Material<F> {
-    /// A material of the given model: defaults, but for the values given by the path of their parameter
-    /// (`alpha`, `coat.eta`).
+    /// The material that is described by a model and values, as [`Description::new`].
     ///
     /// # Errors
     /// If a parameter or a value is not in the table of the model, or values contradict each other.
@@ -238,7 +283,7 @@ impl<F: Real> Material<F> {
         model: Model,
         values: impl IntoIterator<Item = (&'a str, Value)>,
     ) -> Result<Self, MaterialError> {
-        Self::build(model, Values::new(model.name(), model.parameters()), values)
+        Self::of(Description::new(model, values)?)
     }
 
     /// The same material with other values for some of its parameters.
@@ -249,72 +294,52 @@ impl<F: Real> Material<F> {
         &self,
         values: impl IntoIterator<Item = (&'a str, Value)>,
     ) -> Result<Self, MaterialError> {
-        Self::build(self.model, self.values.clone(), values)
+        Self::of(self.description.with(values)?)
     }
 
-    fn build<'a>(
-        model: Model,
-        mut values: Values,
-        given: impl IntoIterator<Item = (&'a str, Value)>,
-    ) -> Result<Self, MaterialError> {
-        for (path, value) in given {
-            values = values.with(path, value)?;
-        }
-        let Build { stack, turn, is_isotropic, absorbance } = model.build(&values)?;
-        Ok(Self { model, values, stack, turn, is_isotropic, absorbance })
+    fn of(description: Description) -> Result<Self, MaterialError> {
+        let build = description.model().build(description.values())?;
+        Ok(Self { description, build })
     }
 
-    /// The model.
-    pub fn model(&self) -> Model {
-        self.model
-    }
-
-    /// The values that were given, by the paths of their parameters.
-    pub fn given(&self) -> &[(String, Value)] {
-        self.values.given()
-    }
-
-    /// The value of a parameter, given or by default; `None` where it has been left out.
-    ///
-    /// # Errors
-    /// If the model has no such parameter.
-    pub fn value(&self, path: &str) -> Result<Option<&Value>, MaterialError> {
-        self.values.get(path)
+    /// What it was made from.
+    pub fn description(&self) -> &Description {
+        &self.description
     }
 
     /// The lobes, in the frame of its own tangents.
     pub fn stack(&self) -> &Stack<F> {
-        &self.stack
+        &self.build.stack
     }
 
     /// `true` if the tangents of the lobes are not those of the surface.
     pub fn is_turned(&self) -> bool {
-        self.turn.is_some()
+        self.build.turn.is_some()
     }
 
     /// `true` if turning the material about the normal changes nothing.
     pub fn is_isotropic(&self) -> bool {
-        self.is_isotropic
+        self.build.is_isotropic
     }
 
     /// What is left of light, per channel, after a straight way of the given `length` ≥ 0 below the surface
     /// (`inside`) or above it: e^{−σ length}. Only glass absorbs on the way; a coat and a thin sheet absorb
     /// in their lobes.
     pub fn transmittance(&self, length: F, inside: bool) -> Rgb<F> {
-        self.absorbance[usize::from(inside)].map(|sigma| (-sigma * length).exp())
+        self.build.absorbance[usize::from(inside)].map(|sigma| (-sigma * length).exp())
     }
 
     /// A direction in the frame of the stack.
     #[inline]
     fn turned_in(&self, w: F::Vec3) -> F::Vec3 {
-        let Some([cos, sin]) = self.turn else { return w };
+        let Some([cos, sin]) = self.build.turn else { return w };
         F::Vec3::new(cos * w.x() + sin * w.y(), cos * w.y() - sin * w.x(), w.z())
     }
 
     /// A direction of the stack in the frame of the surface.
     #[inline]
     fn turned_out(&self, w: F::Vec3) -> F::Vec3 {
-        let Some([cos, sin]) = self.turn else { return w };
+        let Some([cos, sin]) = self.build.turn else { return w };
         F::Vec3::new(cos * w.x() - sin * w.y(), sin * w.x() + cos * w.y(), w.z())
     }
 }
@@ -322,26 +347,26 @@ impl<F: Real> Material<F> {
 impl<F: Real> Bxdf<F> for Material<F> {
     #[inline]
     fn eval(&self, wo: F::Vec3, wi: F::Vec3, mode: TransportMode) -> Rgb<F> {
-        self.stack.eval(self.turned_in(wo), self.turned_in(wi), mode)
+        self.build.stack.eval(self.turned_in(wo), self.turned_in(wi), mode)
     }
 
     #[inline]
     fn pdf(&self, wo: F::Vec3, wi: F::Vec3, mode: TransportMode) -> F {
-        self.stack.pdf(self.turned_in(wo), self.turned_in(wi), mode)
+        self.build.stack.pdf(self.turned_in(wo), self.turned_in(wi), mode)
     }
 
     #[inline]
     fn sample(&self, wo: F::Vec3, uc: F, u: [F; 2], mode: TransportMode) -> Option<BxdfSample<F>> {
-        let sample = self.stack.sample(self.turned_in(wo), uc, u, mode)?;
+        let sample = self.build.stack.sample(self.turned_in(wo), uc, u, mode)?;
         Some(BxdfSample { wi: self.turned_out(sample.wi), ..sample })
     }
 
     fn albedo(&self, wo: F::Vec3) -> Rgb<F> {
-        self.stack.albedo(self.turned_in(wo))
+        self.build.stack.albedo(self.turned_in(wo))
     }
 
     fn flags(&self) -> LobeFlags {
-        self.stack.flags()
+        self.build.stack.flags()
     }
 }
 
@@ -437,12 +462,13 @@ mod tests {
                 assert!(all[..i].iter().all(|(other, _)| other != path), "{name} twice");
                 assert!(!parameter.label.is_empty() && parameter.doc.ends_with('.'), "{name}");
                 if let Some(default) = &parameter.default {
-                    values.clone().with(path, default.clone()).unwrap();
+                    values.clone().set(path, default.clone()).unwrap();
                 }
                 if let Some(norm) = parameter.norm {
                     assert!(!norm.source.is_empty(), "{name}");
                     let [low, high] = match parameter.kind {
-                        ParameterKind::Number { range } | ParameterKind::Colour { range } => range,
+                        ParameterKind::Number { range } | ParameterKind::Channels { range } => range,
+                        ParameterKind::Colour => [0.0, 1.0],
                         _ => panic!("{name} has a norm and no range"),
                     };
                     assert!(low <= norm.range[0] && norm.range[1] <= high, "{name}");
@@ -457,9 +483,10 @@ mod tests {
         for &model in Model::ALL {
             for (path, parameter) in flattened(model.parameters()) {
                 let values: Vec<Value> = match parameter.kind {
-                    ParameterKind::Number { range } | ParameterKind::Colour { range } => {
+                    ParameterKind::Number { range } | ParameterKind::Channels { range } => {
                         range.map(Value::Number).to_vec()
                     }
+                    ParameterKind::Colour => [0.0, 1.0].map(Value::Number).to_vec(),
                     ParameterKind::OneOf { numbers } => numbers.iter().copied().map(Value::Number).collect(),
                     ParameterKind::Choice { choices } => {
                         choices.iter().map(|choice| Value::text(choice.name)).collect()
@@ -507,20 +534,24 @@ mod tests {
                 vec![("reflectance", Value::Colour([0.5, 1.02, 0.5]))],
                 "reflectance = [0.5, 1.02, 0.5] is out of range: expected [red, green, blue] or a grey,",
             ),
-            (Model::Matte, vec![("reflectance", "red".into())], "reflectance = \"red\" is out of range"),
+            (Model::Matte, vec![("reflectance", "red".into())], "reflectance = \"red\" is of the wrong type"),
             (
                 Model::Fabric,
                 vec![("exponent", Value::Number(3.0))],
                 "exponent = 3 is out of range: expected one of 1, 2, 4, 8, 16",
             ),
-            (Model::Glass, vec![("distribution", "blinn".into())], "expected one of \"beckmann\", \"ggx\""),
+            (
+                Model::Glass,
+                vec![("distribution", "blinn".into())],
+                "distribution = \"blinn\" is no choice; expected one of \"beckmann\", \"ggx\"",
+            ),
             (Model::Metal, vec![("ior", "iron".into())], "ior: `iron` has several data sets"),
             (Model::Metal, vec![("rougness", Value::Number(0.1))], "`rougness` is not a parameter of metal"),
             (Model::CarPaint, vec![("coat.thicknes", Value::Number(0.1))], "did you mean coat.thickness"),
             (
                 Model::CarPaint,
                 vec![("coat", Value::Number(1.0))],
-                "coat = 1 is out of range: expected a group of eta,",
+                "coat = 1 is of the wrong type: expected a group of eta,",
             ),
             (
                 Model::Metal,
@@ -553,12 +584,12 @@ mod tests {
     fn a_value_is_what_was_given_last_or_the_default() {
         let metal = Material::<f64>::new(Model::Metal, [("alpha", 0.2.into())]).unwrap();
         let rougher = metal.with([("alpha", 0.3.into())]).unwrap();
-        assert_eq!(rougher.value("alpha").unwrap(), Some(&Value::Number(0.3)));
-        assert_eq!(rougher.value("anisotropy").unwrap(), Some(&Value::Number(1.0)));
-        assert_eq!(rougher.value("k").unwrap(), None);
-        assert_eq!(rougher.given(), [("alpha".to_owned(), Value::Number(0.3))]);
-        assert!(rougher.value("reflectance").is_err());
-        assert_eq!(rougher.model(), Model::Metal);
+        assert_eq!(rougher.description().value("alpha").unwrap(), Some(&Value::Number(0.3)));
+        assert_eq!(rougher.description().value("anisotropy").unwrap(), Some(&Value::Number(1.0)));
+        assert_eq!(rougher.description().value("k").unwrap(), None);
+        assert_eq!(rougher.description().given(), [("alpha".to_owned(), Value::Number(0.3))]);
+        assert!(rougher.description().value("reflectance").is_err());
+        assert_eq!(rougher.description().model(), Model::Metal);
     }
 
     #[test]
@@ -621,7 +652,9 @@ mod tests {
         let measured = builtin("sapphire/Malitson-1972-o").unwrap().at(587.56).unwrap().eta;
         for name in ["ruby", "sapphire"] {
             let stone = preset(name).unwrap().material::<f64>().unwrap();
-            let Some(&Value::Number(eta)) = stone.value("eta").unwrap() else { panic!("{name}") };
+            let Some(&Value::Number(eta)) = stone.description().value("eta").unwrap() else {
+                panic!("{name}")
+            };
             assert!((eta - measured).abs() < 5e-4);
         }
     }

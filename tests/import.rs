@@ -12,8 +12,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use approx::assert_abs_diff_eq;
-use gonio::ior::import::{Code, Page, Source, find};
+use gonio::ior::import::{Page, Source, find};
 use gonio::ior::{Table, builtin};
+use gonio::message::Code;
 use rand::RngExt as _;
 use rand_pcg::Pcg64;
 
@@ -112,10 +113,10 @@ fn every_page_is_converted_or_refused_with_its_reason() {
         }
     }
     let expected = [
-        (PathBuf::from("main/SiO2/n2/Adair-e.yml"), Code::Blocks, Some(12)),
+        (PathBuf::from("main/SiO2/n2/Adair-e.yml"), Code::PageBlocks, Some(12)),
         // The range holds the line of xenon at 147 nm, where the formula, which has no damping, has a pole.
-        (PathBuf::from("main/Xe/nk/Bideau-Mehu.yml"), Code::OutOfRange, Some(17)),
-        (PathBuf::from("other/commercial plastics/CR-39/mono.yml"), Code::Table, Some(8)),
+        (PathBuf::from("main/Xe/nk/Bideau-Mehu.yml"), Code::PageRange, Some(17)),
+        (PathBuf::from("other/commercial plastics/CR-39/mono.yml"), Code::PageTable, Some(8)),
     ];
     assert_eq!(refused, expected);
 }
@@ -264,7 +265,7 @@ fn traps_are_named_by_line_value_and_way_out() {
     }
     assert!(unexpected.is_empty(), "{unexpected}");
     let message = parse("DATA: \u{e9}\n").unwrap_err();
-    assert_eq!(message.code, Code::Schema);
+    assert_eq!(message.code, Code::PageSchema);
     let source = Source { file: "page.yml".into(), path: "page.yml".into(), title: String::new() };
     let message = Page::parse(&source, b"DATA:\n  - \xff\n").unwrap_err();
     assert_eq!(message.to_string(), "page.yml:2: not UTF-8; save the file in that encoding");

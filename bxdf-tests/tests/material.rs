@@ -43,7 +43,7 @@ fn val_plastic_of_growing_thickness() {
 fn val_coated_aluminium() {
     let figure = preset("coated_aluminium").unwrap().material::<f64>().unwrap();
     let index = builtin("aluminium/Rakic-1995").unwrap().at(532.0).unwrap();
-    let values = figure.given().iter().filter(|(path, _)| path != "reduction");
+    let values = figure.description().given().iter().filter(|(path, _)| path != "reduction");
     let values = values.map(|(path, value)| (path.as_str(), value.clone()));
     let grey = [("eta", Value::Number(index.eta)), ("k", Value::Number(index.k))];
     let grey = Material::<f64>::new(Model::CarPaint, values.chain(grey)).unwrap();

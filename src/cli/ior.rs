@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use gonio::fresnel::normal_incidence;
-use gonio::ior::import::{self, Code, Message, Page};
+use gonio::ior::import::{self, Message, Page};
 use gonio::ior::{FittedRgb, Illuminant, IorError, Provenance, Table, builtin, load, provenances};
+use gonio::message::Code;
 use gonio::parameter::did_you_mean;
 use gonio::report::write_file;
 use serde::Serialize;
@@ -329,7 +330,7 @@ fn import(path: &Path, output: &Path, overwrite: bool) -> Result<ExitCode, Failu
         *counts.entry(message.code).or_default() += 1;
     }
     for (code, count) in counts {
-        writeln!(text, "  {code}  {:<40}{count:>6}", code.summary())?;
+        writeln!(text, "  {code}  {:<40}{count:>6}", code.title())?;
     }
     print(&text)?;
     Ok(if refused.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })

@@ -12,59 +12,13 @@ mod formula;
 mod yaml;
 
 use std::collections::BTreeSet;
-use std::fmt;
 use std::path::{Component, Path, PathBuf};
 
 use super::Table;
+use crate::message::Code;
 use crate::parameter::did_you_mean;
 use block::Curve;
 use yaml::{Map, Node};
-
-/// What kind of message an import gives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Code {
-    /// G401: a file that cannot be read, or is not YAML.
-    Syntax = 401,
-    /// G402: a key that is missing, unknown or given twice, or a value of the wrong kind.
-    Schema,
-    /// G403: a text that is not a number.
-    Number,
-    /// G404: rows that are no table.
-    Table,
-    /// G405: a formula without the coefficients or the range that it needs.
-    Formula,
-    /// G406: a value that no wavelength, index of refraction or extinction has.
-    OutOfRange,
-    /// G407: blocks that together give no index of refraction, or more than one.
-    Blocks,
-    /// G408: something was left out or passed over; the page is converted.
-    Loss,
-    /// G409: the file to write is there already and differs.
-    Exists,
-}
-
-impl Code {
-    /// A few words for a summary.
-    pub fn summary(self) -> &'static str {
-        match self {
-            Self::Syntax => "unreadable, or not YAML",
-            Self::Schema => "not the schema of the database",
-            Self::Number => "not a number",
-            Self::Table => "rows that are no table",
-            Self::Formula => "an incomplete or overlong formula",
-            Self::OutOfRange => "a value out of range",
-            Self::Blocks => "no n, or n or k from two blocks",
-            Self::Loss => "left out or passed over",
-            Self::Exists => "a different file is there already",
-        }
-    }
-}
-
-impl fmt::Display for Code {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "G{}", *self as u16)
-    }
-}
 
 /// What an import has to say: where, what, and the way out.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -181,7 +135,7 @@ fn walk(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), Message> {
 }
 
 fn unreadable(path: &Path, error: &std::io::Error) -> Message {
-    Problem { code: Code::Syntax, line: None, text: error.to_string() }.in_file(path)
+    Problem { code: Code::PageSyntax, line: None, text: error.to_string() }.in_file(path)
 }
 
 fn read_file(path: &Path) -> Result<Vec<u8>, Message> {
@@ -192,7 +146,8 @@ fn read_file(path: &Path) -> Result<Vec<u8>, Message> {
 fn listed(catalogue: &Path) -> Result<Sources, Message> {
     let root = yaml::parse(&read_file(catalogue)?).map_err(|problem| problem.in_file(catalogue))?;
     let Some(shelves) = root.list() else {
-        let problem = Problem::at(root.line, Code::Schema, "no catalogue; expected a list of SHELF entries");
+        let problem =
+            Problem::at(root.line, Code::PageSchema, "no catalogue; expected a list of SHELF entries");
         return Err(problem.in_file(catalogue));
     };
     let folder = catalogue.parent().unwrap_or(Path::new(""));
@@ -205,7 +160,7 @@ fn listed(catalogue: &Path) -> Result<Sources, Message> {
     let mut entries: Vec<(&Node, String)> = shelves.iter().rev().map(|node| (node, String::new())).collect();
     while let Some((node, book)) = entries.pop() {
         let mut refuse = |line, what: String| {
-            sources.refused.push(Problem::at(line, Code::Schema, what).in_file(catalogue));
+            sources.refused.push(Problem::at(line, Code::PageSchema, what).in_file(catalogue));
         };
         let Some(map) = node.map() else {
             refuse(node.line, "expected a mapping with SHELF, BOOK, PAGE or DIVIDER".to_owned());
@@ -252,7 +207,7 @@ fn near_misses(map: &Map, known: &[&str], what: &str) -> Vec<Problem> {
     let note = |(key, (line, _)): (&String, &(usize, Node))| {
         let hint = did_you_mean(key, known.iter().copied());
         let text = format!("{what} `{key}` is unknown{hint}");
-        (!hint.is_empty()).then(|| Problem::at(*line, Code::Loss, text))
+        (!hint.is_empty()).then(|| Problem::at(*line, Code::PageLoss, text))
     };
     unknown.filter_map(note).collect()
 }
@@ -311,7 +266,7 @@ fn table(root: &Node, source: &Source) -> Result<(Table, Vec<Problem>), Problem>
     const KEYS: [&str; 6] = ["REFERENCES", "COMMENTS", "CONDITIONS", "DATA", "SPECS", "PROPERTIES"];
     const CONDITIONS: [&str; 6] =
         ["temperature", "pressure", "direction", "film_thickness", "substrate", "deposition_temperature"];
-    let schema = |line, text: String| Problem::at(line, Code::Schema, text);
+    let schema = |line, text: String| Problem::at(line, Code::PageSchema, text);
     let map =
         root.map().ok_or_else(|| schema(root.line, format!("expected the keys {}", KEYS.join(", "))))?;
     let (line, data) = map.get("DATA").ok_or_else(|| {
@@ -331,14 +286,14 @@ fn table(root: &Node, source: &Source) -> Result<(Table, Vec<Problem>), Problem>
                 let (first, second): (&Curve, &Curve) = (first, second);
                 let text = format!("a second source of {what}; the first is on line {}", first.line);
                 let text = text + ". Keep one of the two blocks in a copy of the page and import that";
-                return Err(Problem::at(second.line, Code::Blocks, text));
+                return Err(Problem::at(second.line, Code::PageBlocks, text));
             }
             *slot = slot.take().or(curve);
         }
     }
     let Some(n) = n else {
         let text = "no block gives n; a table needs n, and k where it is known";
-        return Err(Problem::at(*line, Code::Blocks, text));
+        return Err(Problem::at(*line, Code::PageBlocks, text));
     };
     let rows = match k {
         None => n.rows.iter().map(|row| [row[0], row[1], 0.0]).collect(),
@@ -355,11 +310,11 @@ fn together(n: &Curve, k: &Curve, notes: &mut Vec<Problem>) -> Result<Vec<[f64; 
     let ranges = format!("n covers {} to {} nm, k covers {} to {} nm", a[0], a[1], b[0], b[1]);
     if low >= high {
         let text = format!("{ranges}: no wavelengths in common; import the page without the block of k");
-        return Err(Problem::at(k.line, Code::Blocks, text));
+        return Err(Problem::at(k.line, Code::PageBlocks, text));
     }
     if a != b {
         let text = format!("{ranges}; {low} to {high} nm are kept");
-        notes.push(Problem::at(k.line, Code::Loss, text));
+        notes.push(Problem::at(k.line, Code::PageLoss, text));
     }
     let mut wavelengths: Vec<f64> = n.rows.iter().chain(&k.rows).map(|row| row[0]).collect();
     wavelengths.retain(|nm| (low..=high).contains(nm));

@@ -3,7 +3,7 @@
 //! The thesis gives the base a colour c besides its index; here colour is the index's and the coat's.
 
 use super::parameter::Values;
-use super::{Build, DISTRIBUTION, MaterialError, Parameter, alpha, coat, metal, reflection};
+use super::{Build, DISTRIBUTION, MaterialError, Parameter, Rule, alpha, coat, metal, reflection};
 use crate::real::Real;
 
 static COAT: [Parameter; 5] = coat::parameters(0.0);
@@ -19,6 +19,8 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     DISTRIBUTION,
     coat::group(&COAT),
 ];
+
+pub(super) const RULES: &[Rule] = metal::RULES;
 
 pub(super) fn build<F: Real>(values: &Values) -> Result<Build<F>, MaterialError> {
     let (fresnel, distribution) = (metal::fresnel::<F>(values)?, metal::distribution(values)?);

@@ -2,7 +2,7 @@
 
 use super::matte::REFLECTANCE;
 use super::parameter::Values;
-use super::{Build, MaterialError, Norm, Parameter, ParameterKind, Value};
+use super::{Build, MaterialError, Norm, Parameter, ParameterKind, Rule, Value};
 use crate::lobe;
 use crate::real::Real;
 
@@ -27,6 +27,8 @@ pub(super) const PARAMETERS: &[Parameter] = &[
         doc: "The larger, the narrower the lobe about the way back.",
     },
 ];
+
+pub(super) const RULES: &[Rule] = &[];
 
 pub(super) fn build<F: Real>(values: &Values) -> Result<Build<F>, MaterialError> {
     let exponent = values.number::<f64>("exponent")? as u32;

@@ -2,7 +2,7 @@
 
 use super::parameter::Values;
 use super::{
-    Build, DISTRIBUTION, MaterialError, Norm, Parameter, ParameterKind, SCATTERING, Value, alpha,
+    Build, DISTRIBUTION, MaterialError, Norm, Parameter, ParameterKind, Rule, SCATTERING, Value, alpha,
     follows_all_orders, shape,
 };
 use crate::lobe::{DielectricSpecular, KullaContyDielectric, MicrofacetDielectric};
@@ -25,7 +25,7 @@ pub(super) const fn tint(id: &'static str, label: &'static str, doc: &'static st
     Parameter {
         id,
         label,
-        kind: ParameterKind::Colour { range: [0.0, 1.0] },
+        kind: ParameterKind::Colour,
         default: Some(Value::Number(1.0)),
         norm: None,
         unit: "",
@@ -38,7 +38,7 @@ pub(super) const fn absorbance(id: &'static str, label: &'static str, doc: &'sta
     Parameter {
         id,
         label,
-        kind: ParameterKind::Colour { range: [0.0, 1e9] },
+        kind: ParameterKind::Channels { range: [0.0, 1e9] },
         default: Some(Value::Number(0.0)),
         norm: None,
         unit: "1/length",
@@ -61,6 +61,22 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     absorbance("absorbance_outside", "absorbance outside σt", "The same of the outside; normally 0."),
 ];
 
+pub(super) const RULES: &[Rule] = &[orders_of_a_white_boundary];
+
+/// Higher orders are tabulated for a boundary that loses nothing.
+fn orders_of_a_white_boundary(values: &Values) -> Result<(), MaterialError> {
+    for other in ["reflection", "transmission"] {
+        if follows_all_orders(values)? && values.colour::<f64>(other)? != Rgb::WHITE {
+            return Err(MaterialError::Contradiction {
+                parameter: "scattering",
+                other,
+                reason: "higher orders are known for a boundary without tints only",
+            });
+        }
+    }
+    Ok(())
+}
+
 pub(super) fn build<F: Real>(values: &Values) -> Result<Build<F>, MaterialError> {
     let (eta, alpha) = (values.number("eta")?, values.number("alpha")?);
     let tints = [values.colour("reflection")?, values.colour("transmission")?];
@@ -72,15 +88,6 @@ pub(super) fn build<F: Real>(values: &Values) -> Result<Build<F>, MaterialError>
         vec![rough.clone().with_tints(tints[0], tints[1])?.into()]
     };
     if follows_all_orders(values)? {
-        for (tint, parameter) in tints.into_iter().zip(["reflection", "transmission"]) {
-            if tint != Rgb::WHITE {
-                return Err(MaterialError::Contradiction {
-                    parameter: "scattering",
-                    other: parameter,
-                    reason: "higher orders are known for a boundary without tints only",
-                });
-            }
-        }
         lobes.push(KullaContyDielectric::new(&rough).into());
     }
     let absorbance = [values.colour("absorbance_outside")?, values.colour("absorbance_inside")?];

@@ -3,14 +3,14 @@
 use core::f64::consts::FRAC_PI_2;
 
 use super::parameter::Values;
-use super::{Build, Choice, MaterialError, Norm, Parameter, ParameterKind, Value};
+use super::{Build, Choice, MaterialError, Norm, Parameter, ParameterKind, Rule, Value};
 use crate::lobe::{Lambertian, Lobe, OrenNayar, OrenNayarModel};
 use crate::real::Real;
 
 pub(super) const REFLECTANCE: Parameter = Parameter {
     id: "reflectance",
     label: "reflectance R",
-    kind: ParameterKind::Colour { range: [0.0, 1.0] },
+    kind: ParameterKind::Colour,
     default: Some(Value::Number(0.5)),
     norm: Some(Norm { range: [0.02, 0.9], source: "albedos from coal to fresh snow" }),
     unit: "",
@@ -54,6 +54,21 @@ pub(super) const PARAMETERS: &[Parameter] = &[REFLECTANCE, SIGMA, DIFFUSE];
 /// The largest σ \[rad\] of the full model.
 const FULL_SIGMA: f64 = 0.66;
 
+pub(super) const RULES: &[Rule] = &[full_model];
+
+/// The full model is a fit, and only where it was fitted.
+fn full_model(values: &Values) -> Result<(), MaterialError> {
+    let sigma: f64 = values.number("sigma_rad")?;
+    if values.text("diffuse")? != "full" || sigma <= FULL_SIGMA {
+        return Ok(());
+    }
+    Err(MaterialError::Unacceptable {
+        parameter: SIGMA.id.to_owned(),
+        value: sigma.to_string(),
+        expected: format!("with diffuse = \"full\" a number in [0, {FULL_SIGMA}] [rad]"),
+    })
+}
+
 /// The diffuse lobe that the parameters above describe.
 pub(super) fn lobe<F: Real>(values: &Values) -> Result<Lobe<F>, MaterialError> {
     let reflectance = values.colour("reflectance")?;
@@ -62,13 +77,6 @@ pub(super) fn lobe<F: Real>(values: &Values) -> Result<Lobe<F>, MaterialError> {
         return Ok(Lambertian::new(reflectance)?.into());
     }
     let (model, roughness) = match values.text("diffuse")? {
-        "full" if values.number::<f64>("sigma_rad")? > FULL_SIGMA => {
-            return Err(MaterialError::Unacceptable {
-                parameter: SIGMA.id.to_owned(),
-                value: sigma.to_string(),
-                expected: format!("with diffuse = \"full\" a number in [0, {FULL_SIGMA}] [rad]"),
-            });
-        }
         "full" => (OrenNayarModel::Full, sigma),
         "energy_preserving" => {
             let square = sigma * sigma;

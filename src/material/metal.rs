@@ -2,8 +2,8 @@
 
 use super::parameter::Values;
 use super::{
-    Build, Choice, DISTRIBUTION, MaterialError, Norm, Parameter, ParameterKind, SCATTERING, Value, alpha,
-    follows_all_orders, reflection, shape,
+    Build, Choice, DISTRIBUTION, MaterialError, Norm, Parameter, ParameterKind, Rule, SCATTERING, Value,
+    alpha, follows_all_orders, reflection, shape,
 };
 use crate::fresnel::Fresnel;
 use crate::ior::{self, IorError};
@@ -47,7 +47,7 @@ const fn index(id: &'static str, label: &'static str, norm: Norm, doc: &'static 
     Parameter {
         id,
         label,
-        kind: ParameterKind::Colour { range: [0.0, 1e3] },
+        kind: ParameterKind::Channels { range: [0.0, 1e3] },
         default: None,
         norm: Some(norm),
         unit: "",
@@ -92,19 +92,49 @@ pub(super) const ROTATION: Parameter = Parameter {
 pub(super) const PARAMETERS: &[Parameter] =
     &[IOR, REDUCTION, ETA, K, alpha(0.1), ANISOTROPY, ROTATION, DISTRIBUTION, SCATTERING];
 
+pub(super) const RULES: &[Rule] = &[one_index, alphas_below_one];
+
+/// An index is a data set or numbers, both of them.
+fn one_index(values: &Values) -> Result<(), MaterialError> {
+    let given = [ETA.id, K.id].into_iter().find(|id| values.is_given(id));
+    let Some(other) = given else { return Ok(()) };
+    if values.is_given(IOR.id) {
+        let reason = "an index is a data set or numbers";
+        return Err(MaterialError::Contradiction { parameter: IOR.id, other, reason });
+    }
+    values.colour::<f64>(ETA.id)?;
+    values.colour::<f64>(K.id)?;
+    Ok(())
+}
+
+/// αx and αy as the ratio divides them.
+fn alphas(values: &Values) -> Result<[f64; 2], MaterialError> {
+    let (alpha, root) = (values.number::<f64>("alpha")?, values.number::<f64>(ANISOTROPY.id)?.sqrt());
+    Ok([alpha / root, alpha * root])
+}
+
+fn alphas_below_one(values: &Values) -> Result<(), MaterialError> {
+    if alphas(values)?.into_iter().all(|alpha| alpha <= 1.0) {
+        return Ok(());
+    }
+    let alpha: f64 = values.number("alpha")?;
+    let largest = 1.0 / (alpha * alpha);
+    Err(MaterialError::Unacceptable {
+        parameter: ANISOTROPY.id.to_owned(),
+        value: values.number::<f64>(ANISOTROPY.id)?.to_string(),
+        expected: format!(
+            "with alpha = {alpha} a ratio in [{:.4}, {largest:.4}]: neither αx nor αy above 1",
+            1.0 / largest
+        ),
+    })
+}
+
 /// Wavelengths of the channels where the reduction is `measured` \[nm\].
 const WAVELENGTHS_NM: [f64; 3] = [630.0, 532.0, 465.0];
 
 /// The Fresnel term of the metal in vacuum.
 pub(super) fn fresnel<F: Real>(values: &Values) -> Result<Fresnel<F>, MaterialError> {
     if values.is_given("eta") || values.is_given("k") {
-        if values.is_given("ior") {
-            return Err(MaterialError::Contradiction {
-                parameter: "ior",
-                other: if values.is_given("eta") { "eta" } else { "k" },
-                reason: "an index is a data set or numbers",
-            });
-        }
         return Ok(Fresnel::conductor(values.colour("eta")?, values.colour("k")?)?);
     }
     let is_measured = values.text("reduction")? == "measured";
@@ -129,20 +159,7 @@ pub(super) fn fresnel<F: Real>(values: &Values) -> Result<Fresnel<F>, MaterialEr
 
 /// The micro surface of the metal.
 pub(super) fn distribution<F: Real>(values: &Values) -> Result<Distribution<F>, MaterialError> {
-    let (alpha, ratio) = (values.number::<f64>("alpha")?, values.number::<f64>("anisotropy")?);
-    let root = ratio.sqrt();
-    let [alpha_x, alpha_y] = [alpha / root, alpha * root];
-    if alpha_x.max(alpha_y) > 1.0 {
-        let largest = 1.0 / (alpha * alpha);
-        return Err(MaterialError::Unacceptable {
-            parameter: ANISOTROPY.id.to_owned(),
-            value: ratio.to_string(),
-            expected: format!(
-                "with alpha = {alpha} a ratio in [{:.4}, {largest:.4}]: neither αx nor αy above 1",
-                1.0 / largest
-            ),
-        });
-    }
+    let [alpha_x, alpha_y] = alphas(values)?;
     Ok(Distribution::new(shape(values, "distribution")?, F::from_f64(alpha_x), F::from_f64(alpha_y))?)
 }
 

@@ -1,7 +1,7 @@
 //! Mirror (thesis §4.2.3): ideal specular reflection, the same at every angle.
 
 use super::parameter::Values;
-use super::{Build, MaterialError, Norm, Parameter, ParameterKind, Value};
+use super::{Build, MaterialError, Norm, Parameter, ParameterKind, Rule, Value};
 use crate::fresnel::Fresnel;
 use crate::lobe::SpecularReflection;
 use crate::real::Real;
@@ -9,7 +9,7 @@ use crate::real::Real;
 pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
     id: "reflectance",
     label: "reflectance R",
-    kind: ParameterKind::Colour { range: [0.0, 1.0] },
+    kind: ParameterKind::Colour,
     default: Some(Value::Number(1.0)),
     norm: Some(Norm {
         range: [0.5, 0.99],
@@ -18,6 +18,8 @@ pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
     unit: "",
     doc: "Share of the light that the mirror returns.",
 }];
+
+pub(super) const RULES: &[Rule] = &[];
 
 pub(super) fn build<F: Real>(values: &Values) -> Result<Build<F>, MaterialError> {
     Build::isotropic([SpecularReflection::new(Fresnel::constant(values.colour("reflectance")?)?).into()])

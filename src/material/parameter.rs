@@ -43,8 +43,10 @@ pub enum ParameterKind {
         /// Smallest and largest.
         range: [f64; 2],
     },
-    /// A number per channel, linear with Rec. 709 primaries; a single number is grey.
-    Colour {
+    /// A share of light per channel, in \[0, 1\], linear with Rec. 709 primaries; a single number is grey.
+    Colour,
+    /// A number per channel that is no colour: an index, an absorption. A single number is for all.
+    Channels {
         /// Smallest and largest of each channel.
         range: [f64; 2],
     },
@@ -144,8 +146,9 @@ impl Parameter {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" [{}]", self.unit) };
         match self.kind {
             ParameterKind::Number { range: [low, high] } => format!("a number in [{low}, {high}]{unit}"),
-            ParameterKind::Colour { range: [low, high] } => {
-                format!("[red, green, blue] or a grey, each in [{low}, {high}]{unit}")
+            ParameterKind::Colour => "[red, green, blue] or a grey, each in [0, 1]".to_owned(),
+            ParameterKind::Channels { range: [low, high] } => {
+                format!("[red, green, blue] or a number for all, each in [{low}, {high}]{unit}")
             }
             ParameterKind::OneOf { numbers } => {
                 let numbers: Vec<_> = numbers.iter().map(f64::to_string).collect();
@@ -166,34 +169,48 @@ impl Parameter {
     /// The value in the form of this parameter, if it is one that the parameter takes.
     fn accept(&self, path: &str, value: Value) -> Result<Value, MaterialError> {
         let is_in = |[low, high]: [f64; 2], number: f64| number >= low && number <= high;
-        match (self.kind, &value) {
-            (ParameterKind::Number { range }, &Value::Number(number)) if is_in(range, number) => Ok(value),
-            (ParameterKind::OneOf { numbers }, Value::Number(number)) if numbers.contains(number) => {
-                Ok(value)
+        let is_accepted = match (self.kind, &value) {
+            (ParameterKind::Number { range }, &Value::Number(number)) => is_in(range, number),
+            (ParameterKind::OneOf { numbers }, Value::Number(number)) => numbers.contains(number),
+            (ParameterKind::Colour | ParameterKind::Channels { .. }, &Value::Number(number)) => {
+                return self.accept(path, Value::Colour([number; 3]));
             }
-            (ParameterKind::Colour { range }, &Value::Number(grey)) if is_in(range, grey) => {
-                Ok(Value::Colour([grey; 3]))
+            (ParameterKind::Colour, Value::Colour(colour)) => colour.iter().all(|&x| is_in([0.0, 1.0], x)),
+            (ParameterKind::Channels { range }, Value::Colour(channels)) => {
+                channels.iter().all(|&x| is_in(range, x))
             }
-            (ParameterKind::Colour { range }, Value::Colour(colour))
-                if colour.iter().all(|&channel| is_in(range, channel)) =>
-            {
-                Ok(value)
+            (ParameterKind::Choice { choices }, Value::Text(text)) => {
+                if choices.iter().all(|choice| choice.name != text) {
+                    return Err(MaterialError::UnknownChoice {
+                        parameter: path.to_owned(),
+                        value: text.to_string(),
+                        hint: did_you_mean(text, choices.iter().map(|choice| choice.name)),
+                        expected: self.expected(),
+                    });
+                }
+                true
             }
-            (ParameterKind::Choice { choices }, Value::Text(text))
-                if choices.iter().any(|choice| choice.name == text) =>
-            {
-                Ok(value)
+            (ParameterKind::DataSet, Value::Text(text)) => {
+                ior::load(text)
+                    .map_err(|source| MaterialError::DataSet { parameter: path.to_owned(), source })?;
+                true
             }
-            (ParameterKind::DataSet, Value::Text(text)) => match ior::load(text) {
-                Ok(_) => Ok(value),
-                Err(source) => Err(MaterialError::DataSet { parameter: path.to_owned(), source }),
-            },
-            _ => Err(MaterialError::Unacceptable {
-                parameter: path.to_owned(),
-                value: value.to_string(),
-                expected: self.expected(),
-            }),
+            _ => {
+                return Err(MaterialError::WrongType {
+                    parameter: path.to_owned(),
+                    value: value.to_string(),
+                    expected: self.expected(),
+                });
+            }
+        };
+        if is_accepted {
+            return Ok(value);
         }
+        Err(MaterialError::Unacceptable {
+            parameter: path.to_owned(),
+            value: value.to_string(),
+            expected: self.expected(),
+        })
     }
 }
 
@@ -239,12 +256,12 @@ impl Values {
         })
     }
 
-    /// The same with a parameter set, if its table accepts the value.
-    pub(super) fn with(mut self, path: &str, value: Value) -> Result<Self, MaterialError> {
+    /// Sets a parameter, if its table accepts the value.
+    pub(super) fn set(&mut self, path: &str, value: Value) -> Result<(), MaterialError> {
         let value = self.parameter(path)?.accept(path, value)?;
         self.given.retain(|(given, _)| given != path);
         self.given.push((path.to_owned(), value));
-        Ok(self)
+        Ok(())
     }
 
     /// The values that differ from the defaults, or repeat them.

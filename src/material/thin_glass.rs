@@ -4,7 +4,7 @@
 use super::coat::thickness;
 use super::glass::{ETA, absorbance, tint};
 use super::parameter::Values;
-use super::{Build, MaterialError, Parameter};
+use super::{Build, MaterialError, Parameter, Rule};
 use crate::lobe::ThinSheet;
 use crate::real::Real;
 
@@ -18,6 +18,8 @@ pub(super) const PARAMETERS: &[Parameter] = &[
         "Multiplies all transmitted light: the \"transmittance factor\" of the thesis's tinted windows.",
     ),
 ];
+
+pub(super) const RULES: &[Rule] = &[];
 
 pub(super) fn build<F: Real>(values: &Values) -> Result<Build<F>, MaterialError> {
     let thickness: F = values.number("thickness")?;

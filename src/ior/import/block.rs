@@ -2,7 +2,8 @@
 
 use super::formula::Formula;
 use super::yaml::{Map, Node, Text};
-use super::{Code, Problem, near_misses};
+use super::{Problem, near_misses};
+use crate::message::Code;
 use crate::parameter::did_you_mean;
 
 const TYPES: &str = "`tabulated nk`, `tabulated n`, `tabulated k` or `formula 1` to `formula 9`";
@@ -47,7 +48,7 @@ pub(super) struct Block {
 }
 
 pub(super) fn read(node: &Node) -> Result<Block, Problem> {
-    let schema = |line, text: String| Problem::at(line, Code::Schema, text);
+    let schema = |line, text: String| Problem::at(line, Code::PageSchema, text);
     let map = node.map().ok_or_else(|| {
         schema(node.line, format!("a block of DATA is a mapping with `type`, which is {TYPES}"))
     })?;
@@ -68,7 +69,7 @@ pub(super) fn read(node: &Node) -> Result<Block, Problem> {
         }
         ["tabulated" | "formula", ref what @ ..] if what.iter().any(|what| what.contains("n2")) => {
             let text = "the nonlinear index n2, which is no index of refraction; import the page with n";
-            return Err(Problem::at(line, Code::Blocks, text));
+            return Err(Problem::at(line, Code::PageBlocks, text));
         }
         _ => return Err(schema(line, format!("type `{}` is unknown; expected {TYPES}", kind.join(" ")))),
     };
@@ -79,7 +80,7 @@ pub(super) fn read(node: &Node) -> Result<Block, Problem> {
 
 /// The text of a key.
 fn text_of<'a>(map: &'a Map, key: &str, line: usize) -> Result<(usize, &'a Text), Problem> {
-    let schema = |line, text| Problem::at(line, Code::Schema, text);
+    let schema = |line, text| Problem::at(line, Code::PageSchema, text);
     let (line, node) = map.get(key).ok_or_else(|| {
         let hint = did_you_mean(key, map.keys().map(String::as_str));
         schema(line, format!("the block has no `{key}`{hint}"))
@@ -100,7 +101,7 @@ fn table(columns: &str, data: &Text, line: usize) -> Result<Block, Problem> {
         if cells.len() != columns.len() + 1 {
             let text =
                 format!("{} figures in a row of `tabulated {columns}`; expected {expected}", cells.len());
-            return Err(Problem::at(line, Code::Table, text));
+            return Err(Problem::at(line, Code::PageTable, text));
         }
         let mut row = vec![nanometres(line, cells[0])?];
         for (cell, column) in cells[1..].iter().zip(columns.chars()) {
@@ -111,7 +112,7 @@ fn table(columns: &str, data: &Text, line: usize) -> Result<Block, Problem> {
             };
             if !valid {
                 let text = format!("{column} is {cell}; expected {range}; correct or remove the row");
-                return Err(Problem::at(line, Code::OutOfRange, text));
+                return Err(Problem::at(line, Code::PageRange, text));
             }
             row.push(value);
         }
@@ -120,7 +121,7 @@ fn table(columns: &str, data: &Text, line: usize) -> Result<Block, Problem> {
     let rows = ascending(rows)?;
     if rows.len() < 2 {
         let text = format!("{} rows; at least two are needed to interpolate", rows.len());
-        return Err(Problem::at(line, Code::Table, text));
+        return Err(Problem::at(line, Code::PageTable, text));
     }
     let curve = |column| {
         let i = 1 + columns.find(column)?;
@@ -146,7 +147,7 @@ fn ascending(mut rows: Vec<(usize, Vec<f64>)>) -> Result<Vec<Vec<f64>>, Problem>
         } else {
             continue;
         };
-        return Err(Problem::at(*line, Code::Table, text));
+        return Err(Problem::at(*line, Code::PageTable, text));
     }
     let mut rows: Vec<Vec<f64>> = rows.into_iter().map(|(_, row)| row).collect();
     if descending {
@@ -166,7 +167,7 @@ fn formula(map: &Map, number: usize, line: usize) -> Result<Formula, Problem> {
         let (other_line, other) = range(map, "range", line)?;
         if other != range_nm {
             let text = format!("`range` differs from `wavelength_range` on line {range_line}; keep one");
-            return Err(Problem::at(other_line, Code::Formula, text));
+            return Err(Problem::at(other_line, Code::PageFormula, text));
         }
     }
     let (line, text) = text_of(map, "coefficients", line)?;
@@ -175,7 +176,7 @@ fn formula(map: &Map, number: usize, line: usize) -> Result<Formula, Problem> {
         .split_whitespace()
         .map(|text| self::number(line, text))
         .collect::<Result<Vec<f64>, _>>()?;
-    let failed = |text| Err(Problem::at(line, Code::Formula, text));
+    let failed = |text| Err(Problem::at(line, Code::PageFormula, text));
     let most = Formula::MOST_COEFFICIENTS[number - 1];
     if coefficients.is_empty() {
         return failed(format!("formula {number} without coefficients; expected up to {most} numbers"));
@@ -196,7 +197,7 @@ fn formula(map: &Map, number: usize, line: usize) -> Result<Formula, Problem> {
 }
 
 fn missing(line: usize) -> Problem {
-    Problem::at(line, Code::Schema, "the block has no `wavelength_range`")
+    Problem::at(line, Code::PageSchema, "the block has no `wavelength_range`")
 }
 
 fn range(map: &Map, key: &str, line: usize) -> Result<(usize, [f64; 2]), Problem> {
@@ -205,12 +206,12 @@ fn range(map: &Map, key: &str, line: usize) -> Result<(usize, [f64; 2]), Problem
     let [low, high] = cells[..] else {
         let text =
             format!("`{key}` has {} figures; expected shortest and longest wavelength [µm]", cells.len());
-        return Err(Problem::at(line, Code::Formula, text));
+        return Err(Problem::at(line, Code::PageFormula, text));
     };
     let range = [nanometres(line, low)?, nanometres(line, high)?];
     if range[0] >= range[1] {
         let text = format!("`{key}` is {low} to {high} µm; expected the shorter wavelength first");
-        return Err(Problem::at(line, Code::Formula, text));
+        return Err(Problem::at(line, Code::PageFormula, text));
     }
     Ok((line, range))
 }
@@ -221,7 +222,7 @@ fn number(line: usize, text: &str) -> Result<f64, Problem> {
     value.ok_or_else(|| {
         let hint = if text.contains(',') { "; write the decimal point as `.`" } else { "" };
         let text = format!("`{text}` is not a finite number{hint}");
-        Problem::at(line, Code::Number, text)
+        Problem::at(line, Code::PageNumber, text)
     })
 }
 
@@ -236,6 +237,6 @@ fn nanometres(line: usize, text: &str) -> Result<f64, Problem> {
         Ok(nm)
     } else {
         let text = format!("wavelength {text}; expected a positive one in µm");
-        Err(Problem::at(line, Code::OutOfRange, text))
+        Err(Problem::at(line, Code::PageRange, text))
     }
 }

@@ -16,7 +16,8 @@
 //! | 8 | retro | (n² − 1) / (n² + 2) = C₁ + C₂ λ² / (λ² − C₃) + C₄ λ² |
 //! | 9 | exotic | n² = C₁ + C₂ / (λ² − C₃) + C₄ (λ − C₅) / ((λ − C₅)² + C₆) |
 
-use super::{Code, Problem};
+use super::Problem;
+use crate::message::Code;
 
 /// Rows that a formula may be sampled with; a page that needs more has a pole in its range.
 const MOST_ROWS: usize = 100_000;
@@ -53,7 +54,7 @@ impl Formula {
             let text = format!("formula {} gives {what} at {um} µm, within its range", self.number);
             Problem::at(
                 self.line,
-                Code::OutOfRange,
+                Code::PageRange,
                 text + "; correct the coefficients or narrow the range in a copy",
             )
         };
@@ -131,7 +132,7 @@ impl Formula {
                 let text = format!("formula {} has a pole near {} µm", self.number, a[0] / 1e3);
                 let text =
                     text + ", within its range; correct the coefficients or narrow the range in a copy";
-                return Err(Problem::at(self.line, Code::OutOfRange, text));
+                return Err(Problem::at(self.line, Code::PageRange, text));
             }
         }
         Ok(rows)

@@ -5,7 +5,8 @@ use std::collections::btree_map::Entry;
 
 use saphyr_parser::{Event, Parser, ScalarStyle};
 
-use super::{Code, Problem};
+use super::Problem;
+use crate::message::Code;
 
 /// Deepest nesting that is read; the catalogue needs eight levels.
 const DEEPEST: usize = 32;
@@ -74,17 +75,17 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Node, Problem> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let before = bytes.get(..error.valid_up_to()).unwrap_or_default();
         let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
-        Problem::at(line, Code::Syntax, "not UTF-8; save the file in that encoding")
+        Problem::at(line, Code::PageSyntax, "not UTF-8; save the file in that encoding")
     })?;
     let mut parser = Parser::new_from_str(text);
     let mut open: Vec<(usize, Open)> = Vec::new();
     let mut root = None;
     while let Some(event) = parser.next_event() {
         let (event, span) = event.map_err(|error| {
-            Problem::at(error.marker().line(), Code::Syntax, format!("not YAML: {}", error.info()))
+            Problem::at(error.marker().line(), Code::PageSyntax, format!("not YAML: {}", error.info()))
         })?;
         let line = span.start.line();
-        let refused = |what: &str| Problem::at(line, Code::Syntax, what);
+        let refused = |what: &str| Problem::at(line, Code::PageSyntax, what);
         let node = match event {
             Event::Scalar(text, style, ..) => {
                 let literal = style == ScalarStyle::Literal;
@@ -129,11 +130,11 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Node, Problem> {
                     Entry::Occupied(entry) => {
                         let (key, (first, _)) = (entry.key(), entry.get());
                         let text = format!("`{key}` is given twice, first on line {first}; keep one");
-                        return Err(Problem::at(line, Code::Schema, text));
+                        return Err(Problem::at(line, Code::PageSchema, text));
                     }
                 },
             },
         }
     }
-    root.ok_or_else(|| Problem::at(1, Code::Syntax, "the file is empty"))
+    root.ok_or_else(|| Problem::at(1, Code::PageSyntax, "the file is empty"))
 }
