@@ -3,6 +3,8 @@
 //! Results go to standard output, progress and errors to standard error. Exit codes: 0 everything holds,
 //! 1 violations or differences, 2 usage, file or internal error, 3 inconclusive with `--deny inconclusive`.
 
+mod check;
+mod explain;
 mod ior;
 mod list;
 mod merge;
@@ -12,6 +14,7 @@ mod progress;
 mod replay;
 mod report;
 mod self_check;
+mod snippet;
 mod verify;
 
 use std::io::{ErrorKind, Write as _};
@@ -48,6 +51,10 @@ enum Verb {
     List(list::Options),
     /// Runs the suites on specimens and prints a verdict for each
     Verify(verify::Options),
+    /// Reads material files, judges what is unusual in them, and runs the quick suites on every material
+    Check(check::Options),
+    /// What a message code means: the physics, an example, the way out
+    Explain(explain::Options),
     /// Puts the parts of a run together
     Merge(merge::Options),
     /// Runs a saved violation again
@@ -127,6 +134,8 @@ gonio verifies materials and BxDFs.
   gonio report --check                    does reports/ still say what would be written?
   gonio verify                            every specimen against every suite
   gonio verify rough_conductor            one family;  gonio list  names them all
+  gonio check FILE.toml                   what is wrong with material files, and what is unusual
+  gonio explain G104                      what a message means, and the way out
   gonio list metal                        the parameters of a material;  gonio list  names them, and presets
   gonio verify --self-check               planted bugs: does every suite find what it must?
   gonio verify --shard 1/4 --output json=1.json   a quarter of the run;  gonio merge *.json  makes it whole
@@ -169,6 +178,8 @@ fn run_verb(verb: Verb, general: &General) -> Result<ExitCode, Failure> {
     match verb {
         Verb::List(options) => list::run(&options),
         Verb::Verify(options) => verify::run(&options, general),
+        Verb::Check(options) => check::run(&options, general),
+        Verb::Explain(options) => explain::run(&options),
         Verb::Merge(options) => merge::run(&options),
         Verb::Replay(options) => replay::run(&options),
         Verb::Plot(kind) => plot::run(&kind),

@@ -10,6 +10,9 @@ pub mod import;
 mod read;
 mod reduce;
 
+use std::collections::BTreeMap;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
 use serde::{Deserialize, Serialize};
 
 use crate::fresnel::normal_incidence;
@@ -114,19 +117,23 @@ pub enum IorError {
     Bad(#[from] BadTable),
 }
 
-/// Names of all embedded tables, in the order of the index: metals first, the main table of each before its
-/// alternates.
-pub fn provenances() -> Result<Vec<Provenance>, IorError> {
-    csv::Reader::from_reader(embedded::INDEX.as_bytes())
+/// All embedded tables, in the order of the index: metals first, the main table of each before its alternates.
+pub fn provenances() -> Result<&'static [Provenance], IorError> {
+    static INDEX: OnceLock<Vec<Provenance>> = OnceLock::new();
+    if let Some(index) = INDEX.get() {
+        return Ok(index);
+    }
+    let rows = csv::Reader::from_reader(embedded::INDEX.as_bytes())
         .deserialize()
         .map(|row| row.map_err(|error| BadTable::from_csv("reference-data/ior/index.csv", &error).into()))
-        .collect()
+        .collect::<Result<_, IorError>>()?;
+    Ok(INDEX.get_or_init(|| rows))
 }
 
 /// The embedded table `material/Source-Year`; a bare `material` only where it has a single table.
 pub fn builtin(name: &str) -> Result<Table, IorError> {
     let provenances = provenances()?;
-    let of_material: Vec<&Provenance> = provenances
+    let of_material: Vec<&'static Provenance> = provenances
         .iter()
         .filter(|provenance| provenance.table.split('/').next() == Some(name) || provenance.table == name)
         .collect();
@@ -152,14 +159,20 @@ pub fn load(name: &str) -> Result<Table, IorError> {
     if name.to_ascii_lowercase().ends_with(".csv") { Table::read_file(name.as_ref()) } else { builtin(name) }
 }
 
-fn embedded_table(provenance: &Provenance) -> Result<Table, IorError> {
-    let name = &provenance.table;
+fn embedded_table(provenance: &'static Provenance) -> Result<Table, IorError> {
+    // A file of a thousand metals names a few tables.
+    static TABLES: Mutex<BTreeMap<&str, Table>> = Mutex::new(BTreeMap::new());
+    let name = provenance.table.as_str();
+    if let Some(table) = TABLES.lock().unwrap_or_else(PoisonError::into_inner).get(name) {
+        return Ok(table.clone());
+    }
     let (_, text) = embedded::TABLES
         .iter()
-        .find(|(table, _)| table == name)
-        .ok_or_else(|| IorError::Unknown { name: name.clone(), hint: String::new() })?;
-    let table = Table::read(name, text.as_bytes())?;
-    Ok(Table { provenance: Some(provenance.clone()), ..table })
+        .find(|(table, _)| *table == name)
+        .ok_or_else(|| IorError::Unknown { name: name.to_owned(), hint: String::new() })?;
+    let table = Table { provenance: Some(provenance.clone()), ..Table::read(name, text.as_bytes())? };
+    TABLES.lock().unwrap_or_else(PoisonError::into_inner).insert(name, table.clone());
+    Ok(table)
 }
 
 impl Table {
@@ -220,7 +233,7 @@ mod tests {
 
     #[test]
     fn index_and_folder_name_the_same_tables_with_source_and_licence() {
-        let mut listed: Vec<_> = provenances().unwrap().into_iter().map(|p| p.table).collect();
+        let mut listed: Vec<_> = provenances().unwrap().iter().map(|p| p.table.clone()).collect();
         let mut embedded: Vec<_> = embedded::TABLES.iter().map(|(name, _)| (*name).to_owned()).collect();
         listed.sort();
         embedded.sort();

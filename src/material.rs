@@ -12,13 +12,16 @@ mod car_paint;
 mod coat;
 mod description;
 mod fabric;
+pub mod file;
 mod glass;
+mod lint;
 mod matte;
 mod metal;
 mod mirror;
 mod parameter;
 mod plastic;
 mod preset;
+mod summary;
 mod thin_glass;
 
 use serde::{Serialize, Serializer};
@@ -34,8 +37,10 @@ use crate::rgb::Rgb;
 use crate::stack::Stack;
 
 pub use description::Description;
+pub use lint::{Profile, Remark, lint};
 pub use parameter::{Choice, Norm, Parameter, ParameterKind, Value, flattened};
 pub use preset::{PRESETS, Preset, preset};
+pub use summary::Summary;
 
 use description::Rule;
 use parameter::Values;

@@ -139,18 +139,18 @@ pub struct Finding {
 impl Finding {
     /// A finding about some bytes of a file.
     pub fn at(code: Code, span: Range<usize>, text: impl Into<String>) -> Self {
-        Self { code, span: Some(span), text: text.into(), label: String::new(), help: Vec::new() }
+        Self { span: Some(span), ..Self::of_file(code, text) }
     }
 
     /// A finding about a file as a whole.
     pub fn of_file(code: Code, text: impl Into<String>) -> Self {
-        Self { code, span: None, text: text.into(), label: String::new(), help: Vec::new() }
+        Self { code, span: None, text: shown(&text.into()), label: String::new(), help: Vec::new() }
     }
 
     /// The same with words at the span.
     #[must_use]
     pub fn label(self, label: impl Into<String>) -> Self {
-        Self { label: label.into(), ..self }
+        Self { label: shown(&label.into()), ..self }
     }
 
     /// The same with a way out.
@@ -160,6 +160,16 @@ impl Finding {
         self
     }
 }
+
+/// A text that may quote a file, which may hold anything, as a line of sensible length.
+fn shown(text: &str) -> String {
+    let mut characters = text.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c });
+    let line: String = characters.by_ref().take(LONGEST).collect();
+    if characters.next().is_some() { line + "…" } else { line }
+}
+
+/// Characters of a line.
+const LONGEST: usize = 400;
 
 #[cfg(test)]
 mod tests {

@@ -3,6 +3,7 @@
 //!
 //! A record is the same bytes whatever the number of threads or shards; what depends on the machine is not in it.
 
+mod check;
 mod github;
 mod junit;
 
@@ -12,6 +13,8 @@ use std::str::FromStr;
 
 use bxdf_tests::{Claims, FAMILY_ERROR_RATE, Plan, Specimen, Suite, Verdict};
 use serde::{Deserialize, Serialize};
+
+pub use check::{CheckRecord, CheckedFile, CheckedMaterial, Place, Placed};
 
 /// The form of the file; a change of its fields changes the number.
 const SCHEMA: &str = "gonio-verdicts/3";

@@ -1,5 +1,8 @@
 //! Reducing a table to three channels: reflectance as a colour, and the complex index that imitates it.
 
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+
 use serde::Serialize;
 
 use super::{IorError, Table, embedded::SPECTRA};
@@ -69,6 +72,20 @@ impl Table {
     /// # Errors
     /// If the table does not cover 380 to 780 nm.
     pub fn fitted_rgb(&self) -> Result<FittedRgb, IorError> {
+        // That of an embedded table is always the same.
+        static FITS: Mutex<BTreeMap<String, FittedRgb>> = Mutex::new(BTreeMap::new());
+        if self.provenance.is_none() {
+            return self.fit_rgb();
+        }
+        if let Some(fitted) = FITS.lock().unwrap_or_else(PoisonError::into_inner).get(&self.name) {
+            return Ok(*fitted);
+        }
+        let fitted = self.fit_rgb()?;
+        FITS.lock().unwrap_or_else(PoisonError::into_inner).insert(self.name.clone(), fitted);
+        Ok(fitted)
+    }
+
+    fn fit_rgb(&self) -> Result<FittedRgb, IorError> {
         let angles = cosines();
         let mut curves = [[0.0; ANGLES]; 3];
         for (i, &cos_theta) in angles.iter().enumerate() {

@@ -43,7 +43,7 @@ pub(super) const REDUCTION: Parameter = Parameter {
     doc: "How the data set becomes one complex index per channel.",
 };
 
-const fn index(id: &'static str, label: &'static str, norm: Norm, doc: &'static str) -> Parameter {
+const fn part(id: &'static str, label: &'static str, norm: Norm, doc: &'static str) -> Parameter {
     Parameter {
         id,
         label,
@@ -55,14 +55,14 @@ const fn index(id: &'static str, label: &'static str, norm: Norm, doc: &'static 
     }
 }
 
-pub(super) const ETA: Parameter = index(
+pub(super) const ETA: Parameter = part(
     "eta",
     "index of refraction η",
     Norm { range: [0.0, 4.0], source: "metals of reference-data/ior, 465 to 630 nm" },
     "Real part per channel, relative to vacuum: in place of a data set, together with k.",
 );
 
-pub(super) const K: Parameter = index(
+pub(super) const K: Parameter = part(
     "k",
     "extinction k",
     Norm { range: [1.0, 10.0], source: "metals of reference-data/ior, 465 to 630 nm" },
@@ -92,7 +92,7 @@ pub(super) const ROTATION: Parameter = Parameter {
 pub(super) const PARAMETERS: &[Parameter] =
     &[IOR, REDUCTION, ETA, K, alpha(0.1), ANISOTROPY, ROTATION, DISTRIBUTION, SCATTERING];
 
-pub(super) const RULES: &[Rule] = &[one_index, alphas_below_one];
+pub(super) const RULES: &[Rule] = &[one_index, covered, alphas_below_one];
 
 /// An index is a data set or numbers, both of them.
 fn one_index(values: &Values) -> Result<(), MaterialError> {
@@ -102,13 +102,11 @@ fn one_index(values: &Values) -> Result<(), MaterialError> {
         let reason = "an index is a data set or numbers";
         return Err(MaterialError::Contradiction { parameter: IOR.id, other, reason });
     }
-    values.colour::<f64>(ETA.id)?;
-    values.colour::<f64>(K.id)?;
     Ok(())
 }
 
 /// αx and αy as the ratio divides them.
-fn alphas(values: &Values) -> Result<[f64; 2], MaterialError> {
+pub(super) fn alphas(values: &Values) -> Result<[f64; 2], MaterialError> {
     let (alpha, root) = (values.number::<f64>("alpha")?, values.number::<f64>(ANISOTROPY.id)?.sqrt());
     Ok([alpha / root, alpha * root])
 }
@@ -132,28 +130,44 @@ fn alphas_below_one(values: &Values) -> Result<(), MaterialError> {
 /// Wavelengths of the channels where the reduction is `measured` \[nm\].
 const WAVELENGTHS_NM: [f64; 3] = [630.0, 532.0, 465.0];
 
+/// η and k of a data set per channel, `fitted` or `measured`.
+fn reduced(name: &str, is_measured: bool) -> Result<[[f64; 3]; 2], IorError> {
+    let table = ior::load(name)?;
+    if !is_measured {
+        let fitted = table.fitted_rgb()?;
+        return Ok([fitted.eta, fitted.k]);
+    }
+    let mut channels = [[0.0; 3]; 2];
+    for (channel, wavelength_nm) in WAVELENGTHS_NM.into_iter().enumerate() {
+        let index = table.at(wavelength_nm)?;
+        (channels[0][channel], channels[1][channel]) = (index.eta, index.k);
+    }
+    Ok(channels)
+}
+
+/// η and k of a data set per channel in every way there is, as far as it reaches.
+pub(super) fn reductions(name: &str) -> [Option<[[f64; 3]; 2]>; 2] {
+    [false, true].map(|is_measured| reduced(name, is_measured).ok())
+}
+
+/// η and k of the metal in vacuum per channel.
+pub(super) fn index(values: &Values) -> Result<[[f64; 3]; 2], MaterialError> {
+    if values.is_given(ETA.id) || values.is_given(K.id) {
+        return Ok([values.colour::<f64>(ETA.id)?.0, values.colour::<f64>(K.id)?.0]);
+    }
+    let is_measured = values.text(REDUCTION.id)? == "measured";
+    let source = |source| MaterialError::DataSet { parameter: IOR.id.to_owned(), source };
+    reduced(values.text(IOR.id)?, is_measured).map_err(source)
+}
+
+/// A data set must reach over what is asked of it.
+fn covered(values: &Values) -> Result<(), MaterialError> {
+    index(values).map(|_| ())
+}
+
 /// The Fresnel term of the metal in vacuum.
 pub(super) fn fresnel<F: Real>(values: &Values) -> Result<Fresnel<F>, MaterialError> {
-    if values.is_given("eta") || values.is_given("k") {
-        return Ok(Fresnel::conductor(values.colour("eta")?, values.colour("k")?)?);
-    }
-    let is_measured = values.text("reduction")? == "measured";
-    let reduced = || -> Result<_, IorError> {
-        let table = ior::load(values.text("ior").unwrap_or_default())?;
-        if !is_measured {
-            let fitted = table.fitted_rgb()?;
-            return Ok([fitted.eta, fitted.k]);
-        }
-        let mut channels = [[0.0; 3]; 2];
-        for (channel, wavelength_nm) in WAVELENGTHS_NM.into_iter().enumerate() {
-            let index = table.at(wavelength_nm)?;
-            (channels[0][channel], channels[1][channel]) = (index.eta, index.k);
-        }
-        Ok(channels)
-    };
-    let channels =
-        reduced().map_err(|source| MaterialError::DataSet { parameter: "ior".to_owned(), source })?;
-    let [eta, k] = channels.map(|part| Rgb(part.map(F::from_f64)));
+    let [eta, k] = index(values)?.map(|part| Rgb(part.map(F::from_f64)));
     Ok(Fresnel::conductor(eta, k)?)
 }
 

@@ -106,6 +106,19 @@ impl Value {
     }
 }
 
+impl Value {
+    /// The value with four digits at most, one number where all channels agree.
+    pub(super) fn shown(&self) -> String {
+        let short = |number: f64| format!("{}", (number * 1e4).round() / 1e4);
+        match self {
+            Self::Number(number) => short(*number),
+            Self::Colour([red, green, blue]) if red == green && green == blue => short(*red),
+            Self::Colour(channels) => format!("[{}]", channels.map(short).join(", ")),
+            Self::Text(_) => self.to_string(),
+        }
+    }
+}
+
 impl From<f64> for Value {
     fn from(number: f64) -> Self {
         Self::Number(number)
@@ -145,10 +158,10 @@ impl Parameter {
     pub fn expected(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" [{}]", self.unit) };
         match self.kind {
-            ParameterKind::Number { range: [low, high] } => format!("a number in [{low}, {high}]{unit}"),
+            ParameterKind::Number { range } => format!("a number in {}{unit}", interval(range)),
             ParameterKind::Colour => "[red, green, blue] or a grey, each in [0, 1]".to_owned(),
-            ParameterKind::Channels { range: [low, high] } => {
-                format!("[red, green, blue] or a number for all, each in [{low}, {high}]{unit}")
+            ParameterKind::Channels { range } => {
+                format!("[red, green, blue] or a number for all, each in {}{unit}", interval(range))
             }
             ParameterKind::OneOf { numbers } => {
                 let numbers: Vec<_> = numbers.iter().map(f64::to_string).collect();
@@ -214,6 +227,12 @@ impl Parameter {
     }
 }
 
+/// A range in words, without rows of zeros.
+fn interval(range: [f64; 2]) -> String {
+    let [low, high] = range.map(|x| if x.abs() < 1e6 { x.to_string() } else { format!("{x:e}") });
+    format!("[{low}, {high}]")
+}
+
 /// Every parameter with its path, members of groups after the group.
 pub fn flattened(parameters: &'static [Parameter]) -> Vec<(String, &'static Parameter)> {
     let mut all = Vec::new();
@@ -261,6 +280,9 @@ impl Values {
         let value = self.parameter(path)?.accept(path, value)?;
         self.given.retain(|(given, _)| given != path);
         self.given.push((path.to_owned(), value));
+        // The order in which values come is no part of what they say.
+        let table = flattened(self.parameters);
+        self.given.sort_by_key(|(given, _)| table.iter().position(|(known, _)| known == given));
         Ok(())
     }
 

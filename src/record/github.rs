@@ -1,10 +1,11 @@
-//! Workflow commands of GitHub Actions: an annotation for each verdict that does not hold.
+//! Workflow commands of GitHub Actions: an annotation for each verdict that does not hold and for each finding.
 
 use core::fmt::Write as _;
 
 use bxdf_tests::Outcome;
 
-use super::RunRecord;
+use super::{CheckRecord, Place, Placed, RunRecord};
+use crate::message::Severity;
 
 impl RunRecord {
     /// As annotations, <https://docs.github.com/actions/reference/workflow-commands-for-github-actions>.
@@ -16,12 +17,46 @@ impl RunRecord {
                 Outcome::Violated => "error",
                 Outcome::Inconclusive => "warning",
             };
-            let title = format!("{}/{}", verdict.specimen, verdict.suite.name());
-            let title = escaped(&title).replace(':', "%3A").replace(',', "%2C");
+            let title = property(&format!("{}/{}", verdict.specimen, verdict.suite.name()));
             writeln!(text, "::{level} title={title}::{}", escaped(&verdict.to_string()))?;
         }
         Ok(text)
     }
+}
+
+impl CheckRecord {
+    /// As annotations at the places of the findings.
+    ///
+    /// # Errors
+    /// Never; that of the formatter is passed on rather than unwrapped.
+    pub fn github(&self) -> Result<String, core::fmt::Error> {
+        let mut text = String::new();
+        for file in &self.files {
+            for Placed { severity, place, finding } in &file.findings {
+                let level = match severity {
+                    Severity::Error => "error",
+                    Severity::Warning => "warning",
+                    Severity::Note => "notice",
+                };
+                write!(text, "::{level} file={}", property(&file.path))?;
+                if let Some(Place { line, column, end_line, end_column }) = place {
+                    write!(text, ",line={line},col={column},endLine={end_line},endColumn={end_column}")?;
+                }
+                let title = property(&format!("{}: {}", finding.code, finding.code.title()));
+                let message = [&[finding.text.clone()], &*finding.help].concat().join("\n");
+                writeln!(text, ",title={title}::{}", escaped(&message))?;
+            }
+        }
+        if let Some(run) = &self.run {
+            text += &run.github()?;
+        }
+        Ok(text)
+    }
+}
+
+/// The value of a property.
+fn property(text: &str) -> String {
+    escaped(text).replace(':', "%3A").replace(',', "%2C")
 }
 
 /// One line.
