@@ -55,6 +55,8 @@ enum Verb {
     Check(check::Options),
     /// What a message code means: the physics, an example, the way out
     Explain(explain::Options),
+    /// The JSON Schema of material files, for editors
+    Schema,
     /// Puts the parts of a run together
     Merge(merge::Options),
     /// Runs a saved violation again
@@ -135,6 +137,7 @@ gonio verifies materials and BxDFs.
   gonio verify                            every specimen against every suite
   gonio verify rough_conductor            one family;  gonio list  names them all
   gonio check FILE.toml                   what is wrong with material files, and what is unusual
+  gonio schema                            JSON Schema of material files, for editors
   gonio explain G104                      what a message means, and the way out
   gonio list metal                        the parameters of a material;  gonio list  names them, and presets
   gonio verify --self-check               planted bugs: does every suite find what it must?
@@ -180,6 +183,10 @@ fn run_verb(verb: Verb, general: &General) -> Result<ExitCode, Failure> {
         Verb::Verify(options) => verify::run(&options, general),
         Verb::Check(options) => check::run(&options, general),
         Verb::Explain(options) => explain::run(&options),
+        Verb::Schema => {
+            print(&format!("{:#}\n", gonio::material::file::schema()))?;
+            Ok(ExitCode::SUCCESS)
+        }
         Verb::Merge(options) => merge::run(&options),
         Verb::Replay(options) => replay::run(&options),
         Verb::Plot(kind) => plot::run(&kind),

@@ -18,6 +18,7 @@
 
 mod colour;
 mod read;
+mod schema;
 mod syntax;
 mod write;
 
@@ -32,6 +33,7 @@ use crate::message::{Code, Finding, Severity};
 
 pub(super) use colour::srgb_to_linear;
 pub use read::read;
+pub use schema::schema;
 
 /// The version that is read and written.
 const VERSION: f64 = 1.0;

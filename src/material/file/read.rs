@@ -19,6 +19,12 @@ enum Roughness {
     Perceptual,
 }
 
+/// α by a name that needs a declaration.
+const ROUGHNESS: &str = "roughness";
+
+/// What it may be declared to mean.
+pub(super) const ROUGHNESSES: [&str; 2] = ["alpha", "perceptual"];
+
 /// Units that a key may end in, with what an angle in them is in radians.
 const UNITS: [(&str, Option<f64>); 8] = [
     ("rad", Some(1.0)),
@@ -144,7 +150,7 @@ impl Reader<'_> {
                     self.undeclared[0] |= self.colour.is_none();
                 }
                 ("roughness", Content::Text(name)) => {
-                    self.roughness = self.named(&["alpha", "perceptual"], value, name, |name| match name {
+                    self.roughness = self.named(&ROUGHNESSES, value, name, |name| match name {
                         "alpha" => Some(Roughness::Alpha),
                         "perceptual" => Some(Roughness::Perceptual),
                         _ => None,
@@ -366,12 +372,12 @@ impl Reader<'_> {
         entry: &syntax::Entry,
     ) -> Option<Key> {
         let key = entry.key.as_str();
-        if let Some(parameter) = table.iter().find(|parameter| parameter.id == key) {
-            return Some(Key::Parameter(parameter, 1.0));
-        }
-        let alpha = table.iter().find(|parameter| parameter.id == "alpha");
-        if let (Some(alpha), "roughness") = (alpha, key) {
-            return Some(Key::Roughness(alpha));
+        let spelled = table.iter().find_map(|parameter| {
+            let (_, factor) = spellings(parameter).into_iter().find(|(spelling, _)| spelling == key)?;
+            Some(if key == ROUGHNESS { Key::Roughness(parameter) } else { Key::Parameter(parameter, factor) })
+        });
+        if spelled.is_some() {
+            return spelled;
         }
         let (stem, unit) = in_parts(key);
         let Some(parameter) = table.iter().find(|parameter| in_parts(parameter.id).0 == stem) else {
@@ -379,29 +385,17 @@ impl Reader<'_> {
                 "" => format!("model `{}`", model.name()),
                 group => format!("`{group}` of model `{}`", model.name()),
             };
-            let mut known: Vec<&str> = table.iter().map(|parameter| parameter.id).collect();
-            known.extend(alpha.map(|_| "roughness"));
-            self.unknown_key(&entry.span, key, &place, known.into_iter());
+            let known: Vec<String> = table.iter().flat_map(spellings).map(|(spelling, _)| spelling).collect();
+            self.unknown_key(&entry.span, key, &place, known.iter().map(String::as_str));
             return None;
         };
-        let finding = |text: String| Finding::at(Code::WrongUnit, entry.span.clone(), text);
-        let factor = |unit: &str| UNITS.iter().find(|(known, _)| *known == unit)?.1;
-        match (in_parts(parameter.id).1, unit) {
-            (Some(own), Some(unit)) => match (factor(own), factor(unit)) {
-                (Some(own), Some(factor)) => return Some(Key::Parameter(parameter, factor / own)),
-                _ => self.report(
-                    finding(format!("`{key}`: {stem} is an angle, not in {unit}"))
-                        .help(format!("{stem}_deg or {stem}_rad")),
-                ),
-            },
-            (Some(_), None) => self.report(
-                finding(format!("`{key}` does not say its unit")).help(format!("{stem}_deg or {stem}_rad")),
-            ),
-            (None, _) => {
-                let finding = finding(format!("`{key}`: {stem} is not in {}", unit.unwrap_or_default()));
-                self.report(finding.label(format!("write `{}`", parameter.id)).help(parameter.doc));
-            }
-        }
+        let text = match unit {
+            Some(unit) => format!("`{key}`: {stem} is not in {unit}"),
+            None => format!("`{key}` does not say its unit"),
+        };
+        let known: Vec<String> = spellings(parameter).into_iter().map(|(spelling, _)| spelling).collect();
+        let finding = Finding::at(Code::WrongUnit, entry.span.clone(), text);
+        self.report(finding.label(format!("write {}", known.join(" or "))).help(parameter.doc));
         None
     }
 
@@ -547,6 +541,22 @@ fn triple(nodes: &[Node]) -> Option<[f64; 3]> {
     let number = |node: &Node| if let Content::Number(number) = node.content { Some(number) } else { None };
     let numbers: Option<Vec<f64>> = nodes.iter().map(number).collect();
     numbers?.try_into().ok()
+}
+
+/// The keys that give a parameter, each with the factor from its unit to that of the parameter; the factor of
+/// `roughness` is that of α by convention.
+pub(super) fn spellings(parameter: &Parameter) -> Vec<(String, f64)> {
+    let mut keys = vec![(parameter.id.to_owned(), 1.0)];
+    if parameter.id == "alpha" {
+        keys.push((ROUGHNESS.to_owned(), 1.0));
+    }
+    let (stem, unit) = in_parts(parameter.id);
+    let radians = |unit: &str| UNITS.iter().find(|(known, _)| *known == unit)?.1;
+    if let Some(own) = unit.and_then(radians) {
+        let others = UNITS.iter().filter(|(other, _)| Some(*other) != unit);
+        keys.extend(others.filter_map(|(other, factor)| Some((format!("{stem}_{other}"), (*factor)? / own))));
+    }
+    keys
 }
 
 /// A key without the unit that it ends in, and the unit.
