@@ -16,7 +16,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use serde::{Deserialize, Serialize};
 
 use crate::fresnel::normal_incidence;
-use crate::parameter::did_you_mean;
+use crate::parameter::{did_you_mean, figure};
 pub use read::{BadTable, Problem};
 pub use reduce::{FittedRgb, Illuminant};
 
@@ -193,12 +193,6 @@ impl Table {
 
     /// The table as CSV that [`Self::read`] reads to the same figures, after lines of remarks.
     pub fn csv<'a>(&self, remarks: impl IntoIterator<Item = &'a str>) -> String {
-        // The shortest digits that stand for the figure; an exponent where there would be many zeros.
-        let figure = |x: f64| match x.abs() {
-            0.0 => "0".to_owned(),
-            1e-4..1e9 => x.to_string(),
-            _ => format!("{x:e}"),
-        };
         let remark = |line: &str| format!("# {}\n", line.replace(char::is_control, " "));
         let mut text: String = remarks.into_iter().map(remark).collect();
         text.push_str("wavelength_nm,eta,k\n");

@@ -43,10 +43,12 @@ pub(crate) fn require_fractions<F: Real>(
 /// A question about the known names most like `name`, to be appended to an error: `; did you mean …?`, or nothing
 /// where none is alike.
 pub fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    let name = name.to_lowercase();
     let mut scored: Vec<_> = known
         .map(|candidate| {
-            let whole = strsim::jaro_winkler(name, candidate);
-            let parts = candidate.split('/').map(|part| strsim::jaro_winkler(name, part));
+            let likeness = |known: &str| strsim::jaro_winkler(&name, &known.to_lowercase());
+            let whole = likeness(candidate);
+            let parts = candidate.split('/').map(likeness);
             (parts.fold(whole, f64::max), candidate)
         })
         .filter(|&(score, _)| score > 0.8)
@@ -54,4 +56,13 @@ pub fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Str
     scored.sort_by(|a, b| b.0.total_cmp(&a.0));
     let alike: Vec<_> = scored.into_iter().take(3).map(|(_, candidate)| candidate).collect();
     if alike.is_empty() { String::new() } else { format!("; did you mean {}?", alike.join(", ")) }
+}
+
+/// The shortest digits that are the number again; an exponent where there would be many zeros.
+pub(crate) fn figure(x: f64) -> String {
+    match x.abs() {
+        0.0 => "0".to_owned(),
+        1e-4..1e9 => x.to_string(),
+        _ => format!("{x:e}"),
+    }
 }

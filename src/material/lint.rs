@@ -113,10 +113,12 @@ fn unusual(description: &Description, profile: Profile) -> Vec<Remark> {
         else {
             continue;
         };
-        // A profile replaces the norm of colours; what follows all orders of scattering loses nothing.
-        let is_judged_elsewhere = (matches!(parameter.kind, ParameterKind::Colour)
-            && profile.bytes().is_some())
-            || (path == "alpha" && description.values().text("scattering").is_ok_and(|name| name == "all"));
+        let is_judged_elsewhere = match path.as_str() {
+            // What follows all orders of scattering loses nothing.
+            "alpha" => description.values().text("scattering").is_ok_and(|name| name == "all"),
+            "k" => matches!(value, Value::Colour(k) if k.contains(&0.0)),
+            _ => matches!(parameter.kind, ParameterKind::Colour) && profile.bytes().is_some(),
+        };
         let [low, high] = norm.range;
         let is_usual = match value {
             Value::Number(number) => (low..=high).contains(number),
@@ -250,23 +252,25 @@ fn outside(profile: Profile, [low, high]: [f64; 2], luminance: f64, path: &str) 
     })
 }
 
-/// Reflectance at normal incidence that metals have in every channel: from titanium and worse to silver.
-const METALS: [f64; 2] = [0.3, 0.99];
+/// Reflectance at normal incidence that the metals of `reference-data/ior` have in every channel, and a little more:
+/// from the blue of gold, 0.348, to the red of silver, 0.991.
+const METALS: [f64; 2] = [0.3, 0.995];
 
 fn of_metal(description: &Description, profile: Profile) -> Result<Vec<Remark>, MaterialError> {
     if !matches!(description.model(), Model::Metal | Model::CarPaint) {
         return Ok(Vec::new());
     }
     let values = description.values();
-    let mut remarks = Vec::new();
     let [eta, k] = metal::index(values)?;
     let is_numbers = values.is_given(metal::ETA.id);
     let path = if is_numbers { metal::ETA.id } else { metal::IOR.id };
     if k.contains(&0.0) {
         let text = "a metal with k = 0 in a channel is a dielectric, and this one lets nothing through";
         let remark = Remark::new(Code::NotAMetal, if is_numbers { "k" } else { path }, text, "");
-        remarks.push(remark.help("metals have k above 1; glass and plastic take `eta` alone"));
+        // What else is odd about it follows from that.
+        return Ok(vec![remark.help("metals have k above 1; glass and plastic take `eta` alone")]);
     }
+    let mut remarks = Vec::new();
     let normal: [f64; 3] = std::array::from_fn(|channel| normal_incidence(eta[channel], k[channel]));
     let shown = normal.map(|channel| format!("{channel:.3}")).join(", ");
     if let Some(colour) = outside_gamut(description)? {

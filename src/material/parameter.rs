@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::MaterialError;
 use crate::ior;
-use crate::parameter::did_you_mean;
+use crate::parameter::{did_you_mean, figure};
 use crate::real::Real;
 use crate::rgb::Rgb;
 
@@ -146,8 +146,8 @@ impl From<String> for Value {
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Number(number) => write!(f, "{number}"),
-            Self::Colour([red, green, blue]) => write!(f, "[{red}, {green}, {blue}]"),
+            Self::Number(number) => f.write_str(&figure(*number)),
+            Self::Colour(channels) => write!(f, "[{}]", channels.map(figure).join(", ")),
             Self::Text(text) => write!(f, "\"{text}\""),
         }
     }
@@ -227,10 +227,9 @@ impl Parameter {
     }
 }
 
-/// A range in words, without rows of zeros.
+/// A range in words.
 fn interval(range: [f64; 2]) -> String {
-    let [low, high] = range.map(|x| if x.abs() < 1e6 { x.to_string() } else { format!("{x:e}") });
-    format!("[{low}, {high}]")
+    format!("[{}]", range.map(figure).join(", "))
 }
 
 /// Every parameter with its path, members of groups after the group.

@@ -8,7 +8,9 @@ use super::colour::ColourSpace;
 use super::syntax::{self, Content, Node};
 use super::{Allowance, Document, Entry, Places, Syntax, VERSION};
 use crate::ior::IorError;
-use crate::material::{Description, MaterialError, Model, Parameter, ParameterKind, Profile, Value};
+use crate::material::{
+    Description, MaterialError, Model, Parameter, ParameterKind, Profile, Value, flattened,
+};
 use crate::message::{Code, Finding, Severity};
 use crate::parameter::did_you_mean;
 
@@ -41,7 +43,9 @@ const UNITS: [(&str, Option<f64>); 8] = [
 /// are relative to `folder`.
 pub fn read(text: &str, syntax: Syntax, folder: &Path) -> (Document, Vec<Finding>) {
     let (root, findings) = syntax::parse(text, syntax);
-    let mut reader = Reader { folder, findings, colour: None, roughness: None, undeclared: [false; 2] };
+    let broken = syntax::broken(text, syntax, &findings);
+    let undeclared = [false; 2];
+    let mut reader = Reader { folder, broken, findings, colour: None, roughness: None, undeclared };
     let document = reader.document(&root);
     let mut findings = reader.findings;
     findings.sort_by_key(|finding| finding.span.as_ref().map_or(0, |span| span.start));
@@ -50,6 +54,8 @@ pub fn read(text: &str, syntax: Syntax, folder: &Path) -> (Document, Vec<Finding
 
 struct Reader<'a> {
     folder: &'a Path,
+    /// Parts of the file that are not judged: their syntax is wrong already.
+    broken: Vec<Range<usize>>,
     findings: Vec<Finding>,
     colour: Option<ColourSpace>,
     roughness: Option<Roughness>,
@@ -77,6 +83,13 @@ impl Reader<'_> {
         self.findings.push(finding);
     }
 
+    /// Whether something stands where the syntax is broken.
+    fn is_broken(&self, span: &Range<usize>) -> bool {
+        self.broken
+            .iter()
+            .any(|broken| broken.start < span.end.max(span.start + 1) && span.start < broken.end)
+    }
+
     fn document(&mut self, root: &Node) -> Document {
         let mut document = Document::default();
         let entries = root.table().unwrap_or_default();
@@ -85,13 +98,13 @@ impl Reader<'_> {
             self.report(Finding::at(Code::WrongType, root.span.clone(), text));
         }
         match entries.iter().find(|entry| entry.key == "gonio") {
-            Some(header) => document.profile = self.header(&header.value),
-            // Where the syntax is broken, it may stand where nothing was read.
-            None if self.findings.is_empty() => self.report(
+            Some(header) if !self.is_broken(&header.span) => document.profile = self.header(&header.value),
+            None if self.broken.is_empty() => self.report(
                 Finding::of_file(Code::Missing, "there is no table `gonio`")
                     .help("begin with\n[gonio]\nversion = 1\ncolor = \"lin_rec709\""),
             ),
-            None => {}
+            // What it declares is not known.
+            _ => self.undeclared = [true; 2],
         }
         for entry in entries {
             match (entry.key.as_str(), entry.value.table()) {
@@ -102,11 +115,12 @@ impl Reader<'_> {
                         document.materials.extend(read);
                     }
                 }
-                ("material", None) => {
+                ("material", None) if !self.is_broken(&entry.span) => {
                     let text = format!("`material` holds tables, not {}", entry.value.kind());
                     let finding = Finding::at(Code::WrongType, entry.value.span.clone(), text);
                     self.report(finding.help("[material.NAME] begins a material"));
                 }
+                _ if self.is_broken(&entry.span) => {}
                 (key, _) => {
                     let hint = did_you_mean(key, ["gonio", "material"].into_iter());
                     let text = format!("unknown table or key `{key}`{hint}");
@@ -209,6 +223,9 @@ impl Reader<'_> {
     }
 
     fn material(&mut self, name: &str, span: &Range<usize>, node: &Node) -> Option<Entry> {
+        if self.is_broken(span) || self.holds_broken(node) {
+            return None;
+        }
         let before = self.errors();
         // It becomes the name of a specimen and of a file.
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
@@ -248,13 +265,23 @@ impl Reader<'_> {
         let (description, problems) = Description::examined(model, values);
         let places: BTreeMap<_, _> =
             given.iter().map(|given| (given.path.clone(), given.span.clone())).collect();
-        for problem in &problems {
+        // What was refused above is not missing.
+        let is_complete = self.errors() == before;
+        let is_told =
+            |problem: &&MaterialError| is_complete || !matches!(problem, MaterialError::Missing { .. });
+        for problem in problems.iter().filter(is_told) {
             let span = problem.parameter().and_then(|path| places.get(path)).unwrap_or(span);
             self.report(of_problem(problem, span.clone()));
         }
         let places = Places { name: span.clone(), parameters: places };
         let is_sound = self.errors() == before;
         is_sound.then_some(Entry { name: name.to_owned(), description, allowed, places })
+    }
+
+    fn holds_broken(&self, node: &Node) -> bool {
+        let is_broken =
+            |entry: &syntax::Entry| self.is_broken(&entry.span) || self.holds_broken(&entry.value);
+        node.table().is_some_and(|entries| entries.iter().any(is_broken))
     }
 
     fn errors(&self) -> usize {
@@ -273,15 +300,12 @@ impl Reader<'_> {
 
     /// `allow.CODE.PARAMETER = "reason"`.
     fn allowances(&mut self, node: &Node, allowed: &mut Vec<Allowance>) {
-        let wrong = |node: &Node| {
-            Finding::at(
-                Code::WrongType,
-                node.span.clone(),
-                format!("an allowance is no {}", bare(node.kind())),
-            )
-            .help("allow.G301.alpha = \"why it is meant\"")
+        const EXAMPLE: &str = "allow.G301.alpha = \"why it is meant\"";
+        let wrong =
+            |node: &Node, text: &str| Finding::at(Code::WrongType, node.span.clone(), text).help(EXAMPLE);
+        let Some(codes) = node.table() else {
+            return self.report(wrong(node, &format!("`allow` cannot be {}", node.kind())));
         };
-        let Some(codes) = node.table() else { return self.report(wrong(node)) };
         for entry in codes {
             let Some(code) = Code::named(&entry.key).filter(|code| code.severity() == Severity::Warning)
             else {
@@ -291,7 +315,7 @@ impl Reader<'_> {
                 continue;
             };
             if entry.value.table().is_none() {
-                self.report(wrong(&entry.value));
+                self.report(wrong(&entry.value, "an allowance names the parameter that it is about"));
                 continue;
             }
             // `coat.alpha` may be written as one key or as two.
@@ -311,11 +335,7 @@ impl Reader<'_> {
                         let (reason, span) = (reason.clone(), span.clone());
                         allowed.push(Allowance { code, path, reason, span });
                     }
-                    _ => {
-                        let finding =
-                            Finding::at(Code::WrongType, node.span.clone(), "an allowance needs a reason");
-                        self.report(finding.help("allow.G301.alpha = \"why it is meant\""));
-                    }
+                    _ => self.report(wrong(node, "an allowance needs a reason")),
                 }
             }
         }
@@ -351,12 +371,8 @@ impl Reader<'_> {
         }
         let value = match key {
             Key::Roughness(parameter) => self.alpha_of(parameter, entry),
-            Key::Parameter(parameter, factor) => {
-                self.value(parameter, &entry.value).map(|value| match value {
-                    Value::Number(number) if factor != 1.0 => Value::Number(number * factor),
-                    value => value,
-                })
-            }
+            Key::Parameter(parameter, 1.0) => self.value(parameter, &entry.value),
+            Key::Parameter(parameter, factor) => self.in_unit(parameter, factor, entry),
         };
         if let Some(value) = value {
             given.push(Given { path, value, span: entry.value.span.clone() });
@@ -387,6 +403,10 @@ impl Reader<'_> {
             };
             let known: Vec<String> = table.iter().flat_map(spellings).map(|(spelling, _)| spelling).collect();
             self.unknown_key(&entry.span, key, &place, known.iter().map(String::as_str));
+            if let (Some(elsewhere), Some(finding)) = (elsewhere(model, group, key), self.findings.last_mut())
+            {
+                finding.help.push(elsewhere);
+            }
             return None;
         };
         let text = match unit {
@@ -396,6 +416,21 @@ impl Reader<'_> {
         let known: Vec<String> = spellings(parameter).into_iter().map(|(spelling, _)| spelling).collect();
         let finding = Finding::at(Code::WrongUnit, entry.span.clone(), text);
         self.report(finding.label(format!("write {}", known.join(" or "))).help(parameter.doc));
+        None
+    }
+
+    /// A number that is given in another unit than the parameter's, which is `factor` times as large.
+    fn in_unit(&mut self, parameter: &Parameter, factor: f64, entry: &syntax::Entry) -> Option<Value> {
+        let Value::Number(number) = self.value(parameter, &entry.value)? else { return None };
+        let ParameterKind::Number { range } = parameter.kind else { return None };
+        let range = range.map(|bound| bound / factor);
+        if number >= range[0] && number <= range[1] {
+            return Some(Value::Number(number * factor));
+        }
+        let text = format!("{} = {number} is out of range", entry.key);
+        let [low, high] = range.map(|bound| (bound * 1e4).round() / 1e4);
+        let finding = Finding::at(Code::OutOfRange, entry.value.span.clone(), text);
+        self.report(finding.label(format!("expected a number in [{low}, {high}]")));
         None
     }
 
@@ -436,8 +471,12 @@ impl Reader<'_> {
     }
 
     fn wrong_type(&mut self, parameter: &Parameter, node: &Node) {
+        let is_number = |node: &&Node| matches!(node.content, Content::Number(_));
         let count = match &node.content {
-            Content::List(nodes) => format!(" of {}", nodes.len()),
+            Content::List(nodes) => match nodes.iter().find(|node| !is_number(node)) {
+                Some(other) => format!(" with {} in it", other.kind()),
+                None => format!(" of {}", nodes.len()),
+            },
             _ => String::new(),
         };
         let text = format!("`{}` cannot be {}{count}", parameter.id, node.kind());
@@ -536,6 +575,24 @@ impl Reader<'_> {
     }
 }
 
+/// Where a key would mean something, if anywhere.
+fn elsewhere(model: Model, group: &str, key: &str) -> Option<String> {
+    let is_spelling =
+        |parameter: &Parameter| spellings(parameter).iter().any(|(spelling, _)| spelling == key);
+    let takes = |table: &'static [Parameter], group: &str| {
+        flattened(table).into_iter().find_map(|(path, parameter)| {
+            let (of, _) = path.rsplit_once('.').unwrap_or(("", &path));
+            (of != group && is_spelling(parameter)).then(|| join(of, key))
+        })
+    };
+    if let Some(path) = takes(model.parameters(), group) {
+        return Some(format!("`{path}` is a key of model `{}`", model.name()));
+    }
+    let others = Model::ALL.iter().filter(|other| other.parameters().iter().any(is_spelling));
+    let others: Vec<_> = others.map(|other| other.name()).collect();
+    (!others.is_empty()).then(|| format!("`{key}` is a key of {}", others.join(", ")))
+}
+
 /// Three numbers.
 fn triple(nodes: &[Node]) -> Option<[f64; 3]> {
     let number = |node: &Node| if let Content::Number(number) = node.content { Some(number) } else { None };
@@ -569,11 +626,6 @@ fn in_parts(key: &str) -> (&str, Option<&str>) {
 
 fn join(group: &str, id: &str) -> String {
     if group.is_empty() { id.to_owned() } else { format!("{group}.{id}") }
-}
-
-/// A kind without its article.
-fn bare(kind: &str) -> &str {
-    kind.split_once(' ').map_or(kind, |(_, bare)| bare)
 }
 
 /// What a description refuses, as a finding.

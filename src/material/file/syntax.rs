@@ -71,17 +71,19 @@ fn empty(text: &str) -> Node {
 }
 
 fn toml(text: &str) -> (Node, Vec<Finding>) {
-    let (root, errors) = DeTable::parse_recoverable(text);
+    let (root, mut errors) = DeTable::parse_recoverable(text);
+    errors.sort_by_key(|error| error.span().map_or(0, |span| span.start));
     let mut findings: Vec<Finding> = Vec::new();
+    let mut end_of_echo = 0;
     for error in errors {
         let span = error.span().unwrap_or(0..text.len());
-        // What follows an error on its line is often no more than its echo.
-        let is_echo = findings.last().and_then(|last| last.span.clone()).is_some_and(|last| {
-            text.get(last.start..span.start).is_none_or(|between| !between.contains('\n'))
-        });
-        if is_echo {
+        if span.start < end_of_echo {
             continue;
         }
+        // What follows an error on its line is its echo; what follows a table that is given twice, all of it.
+        let line = line_of(text, span.start);
+        let is_table = text.get(line.clone()).is_some_and(|line| line.trim_start().starts_with('['));
+        end_of_echo = if is_table { section_of(text, span.start).end } else { line.end };
         findings.push(if error.message() == "duplicate key" {
             let key = text.get(span.clone()).unwrap_or_default();
             Finding::at(Code::Twice, span, format!("`{key}` is given twice"))
@@ -93,10 +95,48 @@ fn toml(text: &str) -> (Node, Vec<Finding>) {
     }
     let span = root.span();
     let node = Node { content: Content::Table(of_toml_table(root.get_ref())), span };
-    if let Some(span) = too_deep(&node, 1) {
+    if let Some(span) = too_deep(&node, 1).filter(|_| findings.is_empty()) {
         findings.push(deep(span));
     }
     (node, findings)
+}
+
+/// The line that a byte is in, with its break.
+fn line_of(text: &str, at: usize) -> Range<usize> {
+    let bytes = text.as_bytes();
+    let at = at.min(bytes.len());
+    let start = bytes[..at].iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+    let end = bytes[at..].iter().position(|byte| *byte == b'\n').map_or(bytes.len(), |end| at + end + 1);
+    start..end
+}
+
+/// The lines from the header of the table of TOML that a byte is in to the next header.
+fn section_of(text: &str, at: usize) -> Range<usize> {
+    let is_header = |line: &Range<usize>| text[line.clone()].trim_start().starts_with('[');
+    let Range { mut start, mut end } = line_of(text, at);
+    while start > 0 && !is_header(&line_of(text, start)) {
+        start = line_of(text, start - 1).start;
+    }
+    while end < text.len() && !is_header(&line_of(text, end)) {
+        end = line_of(text, end).end;
+    }
+    start..end
+}
+
+/// The parts of a text that cannot be trusted, given what is wrong with its syntax.
+pub(super) fn broken(text: &str, syntax: Syntax, findings: &[Finding]) -> Vec<Range<usize>> {
+    let mut broken: Vec<Range<usize>> = Vec::new();
+    for finding in findings {
+        let at = finding.span.as_ref().map_or(0, |span| span.start);
+        // A file may be nothing but errors: each section is looked for once.
+        if broken.last().is_none_or(|last| at >= last.end) {
+            broken.push(match syntax {
+                Syntax::Toml => section_of(text, at),
+                Syntax::Json => 0..text.len() + 1,
+            });
+        }
+    }
+    broken
 }
 
 fn of_toml_table(table: &DeTable<'_>) -> Vec<Entry> {
@@ -116,7 +156,7 @@ fn of_toml(value: &Spanned<DeValue<'_>>) -> Node {
         DeValue::Integer(number) => {
             // Beyond 64 bits, or what no literal is: nothing that a parameter takes.
             i64::from_str_radix(number.as_str(), number.radix())
-                .map_or(Content::Other("too long a number"), |n| Content::Number(n as f64))
+                .map_or(Content::Other("a number of more than 64 bits"), |n| Content::Number(n as f64))
         }
         DeValue::Float(number) => {
             number.as_str().parse().map_or(Content::Other("no number"), Content::Number)
