@@ -3,8 +3,9 @@
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test that cannot be set up has failed")]
 
 use std::fs;
+use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use bxdf_tests::run_seed;
 use gonio::material::file::{Document, Entry, Syntax, read, schema};
@@ -289,6 +290,29 @@ fn the_other_formats_say_the_same() {
     .unwrap();
     assert_eq!(check(&file, &[]).status.code(), Some(0));
     assert_eq!(check(&file, &["--profile", "unity"]).status.code(), Some(1));
+}
+
+#[test]
+fn a_watched_file_is_checked_again_when_it_is_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.toml");
+    fs::write(&file, "[gonio]\n").unwrap();
+    let mut watching = Command::new(env!("CARGO_BIN_EXE_gonio"))
+        .args(["check", "--lint-only", "--watch", "--format", "concise"])
+        .arg(&file)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(watching.stdout.take().unwrap()).lines().map(Result::unwrap);
+    assert!(lines.next().unwrap().ends_with("error[G109]: there is no `version`"));
+    fs::write(&file, "[gonio]\nversion = 2\n").unwrap();
+    assert!(lines.next().unwrap().ends_with("error[G108]: version 2 is unknown"));
+    // It comes and goes, as it does with editors that replace it.
+    fs::remove_file(&file).unwrap();
+    assert!(lines.next().unwrap().contains("error[G111]"));
+    watching.kill().unwrap();
+    watching.wait().unwrap();
 }
 
 /// Nothing that can be written makes the reader panic: files cut at every character, and files with bytes exchanged.

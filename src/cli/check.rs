@@ -74,7 +74,9 @@ pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Fail
     }
     loop {
         let before: Vec<_> = options.files.iter().map(|file| stamp(file)).collect();
-        check(options, general)?;
+        if let Err(failure) = check(options, general) {
+            eprintln!("error: {failure}");
+        }
         eprintln!("watching; interrupt to end");
         // Editors replace files rather than write into them, so names are watched, not files.
         while options.files.iter().zip(&before).all(|(file, before)| stamp(file) == *before) {

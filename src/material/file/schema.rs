@@ -5,6 +5,7 @@ use serde_json::{Map, Value as Json, json};
 use super::VERSION;
 use super::colour::ColourSpace;
 use super::read::{ROUGHNESSES, spellings};
+use crate::ior::{Class, provenances};
 use crate::material::{Model, Parameter, ParameterKind, Profile};
 
 /// The schema of a material file (JSON Schema, draft 2020-12), from the same tables that the reader follows.
@@ -121,7 +122,10 @@ fn of_kind(kind: ParameterKind) -> Map<String, Json> {
         ParameterKind::Choice { choices } => {
             json!({ "enum": choices.iter().map(|choice| choice.name).collect::<Vec<_>>() })
         }
-        ParameterKind::DataSet => json!({ "type": "string" }),
+        ParameterKind::DataSet => {
+            let metals = provenances().unwrap_or_default().iter().filter(|table| table.class == Class::Metal);
+            json!({ "type": "string", "examples": metals.map(|table| &table.table).collect::<Vec<_>>() })
+        }
         ParameterKind::Group { parameters } => json!({
             "type": "object",
             "additionalProperties": false,

@@ -1,0 +1,20 @@
+//! Material files in JSON: reading and judging do not panic, and what was read is written and read again.
+#![no_main]
+
+use std::path::Path;
+
+use gonio::material::file::{Document, Syntax, read};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|text: &str| {
+    let (document, findings) = read(text, Syntax::Json, Path::new(""));
+    for span in findings.into_iter().chain(document.lint()).filter_map(|finding| finding.span) {
+        assert!(text.get(span).is_some());
+    }
+    let (again, findings) = read(&document.to_json(), Syntax::Json, Path::new(""));
+    assert!(findings.is_empty());
+    let materials = |document: &Document| -> Vec<_> {
+        document.materials.iter().map(|entry| (entry.name.clone(), entry.description.clone())).collect()
+    };
+    assert_eq!(materials(&again), materials(&document));
+});
