@@ -600,7 +600,7 @@ mod tests {
     #[test]
     fn metals_on_file_have_a_usual_index() {
         let [eta_norm, k_norm] = [&metal::ETA, &metal::K].map(|parameter| parameter.norm.unwrap().range);
-        for provenance in provenances().unwrap().into_iter().filter(|table| table.class == Class::Metal) {
+        for provenance in provenances().unwrap().iter().filter(|table| table.class == Class::Metal) {
             for wavelength_nm in [465.0, 532.0, 630.0] {
                 let index = builtin(&provenance.table).unwrap().at(wavelength_nm).unwrap();
                 let is_in = |[low, high]: [f64; 2], value: f64| low <= value && value <= high;

@@ -312,7 +312,7 @@ fn outside_gamut(description: &Description) -> Result<Option<[f64; 3]>, Material
 fn divided_already(eta: [f64; 3], k: [f64; 3], coat: f64) -> Option<Remark> {
     let is_near =
         |a: [f64; 3], b: [f64; 3]| a.into_iter().zip(b).all(|(a, b)| (a * coat - b).abs() < 0.02 * b);
-    for provenance in ior::provenances().ok()?.into_iter().filter(|table| table.class == ior::Class::Metal) {
+    for provenance in ior::provenances().ok()?.iter().filter(|table| table.class == ior::Class::Metal) {
         let reductions = metal::reductions(&provenance.table).into_iter().flatten();
         for [known_eta, known_k] in reductions {
             if is_near(eta, known_eta) && is_near(k, known_k) {
