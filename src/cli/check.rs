@@ -178,10 +178,10 @@ fn suites(specimens: &[Box<dyn Specimen>], seed: u64, general: &General) -> (Run
     drop(progress);
     let examined = specimens.iter().map(|specimen| &**specimen);
     let record = RunRecord::new(&plan, Suite::ALL, None, examined, verdicts);
-    let albedo = |specimen: &Box<dyn Specimen>| {
-        directional_albedo(&**specimen, [0.0, 0.0, 1.0], Transport::Importance).value
-    };
-    (record, specimens.par_iter().map(albedo).collect())
+    let albedos = specimens
+        .par_iter()
+        .map(|specimen| directional_albedo(&**specimen, [0.0, 0.0, 1.0], Transport::Importance).value);
+    (record, albedos.collect())
 }
 
 /// Everything that a check found, for programs and for the table of materials.

@@ -86,7 +86,7 @@ fn list(format: Format) -> Result<String, Failure> {
     let mut text = String::new();
     writeln!(text, "{:<34}{:<7}{:<16}material", "data set", "grade", "range [nm]")?;
     for Provenance { table, material, grade, .. } in provenances {
-        let [low, high] = builtin(&table)?.range_nm();
+        let [low, high] = builtin(table)?.range_nm();
         writeln!(text, "{table:<34}{grade:<7}{:<16}{material}", format!("{low:.0}–{high:.0}"))?;
     }
     writeln!(

@@ -28,10 +28,11 @@ use std::io::Read as _;
 use std::ops::Range;
 use std::path::Path;
 
-use super::{Description, Model, Profile, Remark, lint};
+use super::{Description, MaterialError, Model, Profile, Remark, lint};
 use crate::message::{Code, Finding, Severity};
 
 pub(super) use colour::srgb_to_linear;
+use read::of_problem;
 pub use read::read;
 pub use schema::schema;
 
@@ -87,6 +88,14 @@ struct Places {
     parameters: BTreeMap<String, Range<usize>>,
 }
 
+impl Places {
+    /// What a description refuses, where it stands.
+    fn finding(&self, problem: &MaterialError) -> Finding {
+        let span = problem.parameter().and_then(|path| self.parameters.get(path)).unwrap_or(&self.name);
+        of_problem(problem, span.clone())
+    }
+}
+
 impl PartialEq for Places {
     /// A place says nothing about a material.
     fn eq(&self, _: &Self) -> bool {
@@ -125,7 +134,13 @@ impl Document {
     pub fn lint(&self) -> Vec<Finding> {
         let mut findings = Vec::new();
         for material in &self.materials {
-            let remarks = lint(&material.description, self.profile);
+            let remarks = match lint(&material.description, self.profile) {
+                Ok(remarks) => remarks,
+                Err(problem) => {
+                    findings.push(material.places.finding(&problem));
+                    continue;
+                }
+            };
             let answers = |allowance: &Allowance, remark: &Remark| {
                 allowance.code == remark.code && allowance.path == remark.path
             };

@@ -83,14 +83,18 @@ impl Remark {
     }
 }
 
-/// Everything that is unusual about a description. What cannot be judged is passed over: descriptions are sound.
-pub fn lint(description: &Description, profile: Profile) -> Vec<Remark> {
+/// Everything that is unusual about a description.
+///
+/// # Errors
+/// If a data set can no longer be read.
+pub fn lint(description: &Description, profile: Profile) -> Result<Vec<Remark>, MaterialError> {
     let mut remarks = unusual(description, profile);
-    let rules = [albedo_above_one, tint_and_absorption, hidden_base, rough_coat_over_metal, only_deltas];
-    remarks.extend(rules.into_iter().filter_map(|rule| rule(description).ok().flatten()));
-    remarks.extend(of_colour(description, profile).ok().flatten());
-    remarks.extend(of_metal(description, profile).unwrap_or_default());
-    remarks
+    for rule in [albedo_above_one, tint_and_absorption, hidden_base, rough_coat_over_metal, only_deltas] {
+        remarks.extend(rule(description)?);
+    }
+    remarks.extend(of_colour(description, profile)?);
+    remarks.extend(of_metal(description, profile)?);
+    Ok(remarks)
 }
 
 type Judged = Result<Option<Remark>, MaterialError>;

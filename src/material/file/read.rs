@@ -1,6 +1,5 @@
 //! From the tree of a file to its materials: everything that is wrong is reported, what is right is kept.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
@@ -263,17 +262,15 @@ impl Reader<'_> {
         }
         let values = given.iter().map(|given| (given.path.as_str(), given.value.clone()));
         let (description, problems) = Description::examined(model, values);
-        let places: BTreeMap<_, _> =
-            given.iter().map(|given| (given.path.clone(), given.span.clone())).collect();
+        let parameters = given.iter().map(|given| (given.path.clone(), given.span.clone())).collect();
+        let places = Places { name: span.clone(), parameters };
         // What was refused above is not missing.
         let is_complete = self.errors() == before;
         let is_told =
             |problem: &&MaterialError| is_complete || !matches!(problem, MaterialError::Missing { .. });
         for problem in problems.iter().filter(is_told) {
-            let span = problem.parameter().and_then(|path| places.get(path)).unwrap_or(span);
-            self.report(of_problem(problem, span.clone()));
+            self.report(places.finding(problem));
         }
-        let places = Places { name: span.clone(), parameters: places };
         let is_sound = self.errors() == before;
         is_sound.then_some(Entry { name: name.to_owned(), description, allowed, places })
     }
@@ -629,7 +626,7 @@ fn join(group: &str, id: &str) -> String {
 }
 
 /// What a description refuses, as a finding.
-fn of_problem(problem: &MaterialError, span: Range<usize>) -> Finding {
+pub(super) fn of_problem(problem: &MaterialError, span: Range<usize>) -> Finding {
     let code = match problem {
         MaterialError::UnknownModel { .. }
         | MaterialError::UnknownPreset { .. }
