@@ -6,7 +6,7 @@ use std::path::Path;
 
 use divan::Bencher;
 use gonio::material::file::{Document, Entry, Syntax, read};
-use gonio::material::{Description, PRESETS, Profile};
+use gonio::material::{PRESETS, Profile};
 
 fn main() {
     divan::main();
@@ -15,9 +15,7 @@ fn main() {
 fn thousand() -> Document {
     let presets = PRESETS.iter().cycle().take(1000).enumerate();
     let entry = |(i, preset): (usize, &gonio::material::Preset)| {
-        let values = preset.values.iter().map(|(path, value)| (*path, value.clone()));
-        let description = Description::new(preset.model, values);
-        Entry::new(format!("{}.{i}", preset.name), description.expect("presets are sound"))
+        Entry::new(format!("{}.{i}", preset.name), preset.description().expect("presets are sound"))
     };
     Document { profile: Profile::Measured, materials: presets.map(entry).collect() }
 }

@@ -136,6 +136,7 @@ gonio verifies materials and BxDFs.
   gonio report --check                    does reports/ still say what would be written?
   gonio verify                            every specimen against every suite
   gonio verify rough_conductor            one family;  gonio list  names them all
+  gonio list ruby > mine.toml             a preset as a material file to begin from
   gonio check FILE.toml                   what is wrong with material files, and what is unusual
   gonio schema                            JSON Schema of material files, for editors
   gonio explain G104                      what a message means, and the way out

@@ -116,10 +116,7 @@ fn the_example_of_every_page_is_answered_with_its_code() {
 }
 
 fn of_presets() -> Document {
-    let entry = |preset: &gonio::material::Preset| {
-        let values = preset.values.iter().map(|(path, value)| (*path, value.clone()));
-        Entry::new(preset.name, Description::new(preset.model, values).unwrap())
-    };
+    let entry = |preset: &gonio::material::Preset| Entry::new(preset.name, preset.description().unwrap());
     Document { profile: Profile::Unity, materials: PRESETS.iter().map(entry).collect() }
 }
 

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 use std::process::ExitCode;
 
 use bxdf_tests::Suite;
-use gonio::material::{Model, PRESETS, Parameter, ParameterKind, Preset, Value, flattened, preset};
+use gonio::material::file::{Document, Entry};
+use gonio::material::{Model, PRESETS, Parameter, ParameterKind, Preset, flattened, preset};
 use gonio::parameter::did_you_mean;
 use gonio::specimen::{CatalogueError, Kind, specimens_of};
 use rayon::prelude::*;
@@ -14,7 +15,7 @@ use super::{Failure, Format, print};
 
 #[derive(clap::Args)]
 pub(crate) struct Options {
-    /// A material or a preset: its parameters, or its values; everything unless given
+    /// A material: its parameters; a preset: a material file that holds it; everything unless given
     name: Option<String>,
     /// How to print
     #[arg(long, value_enum, default_value = "full")]
@@ -94,7 +95,7 @@ fn one(name: &str, format: Format) -> Result<String, Failure> {
         (Format::Json, Some(model), _) => Ok(serde_json::to_string_pretty(&Material::of(model))? + "\n"),
         (Format::Full, Some(model), _) => Ok(parameters_of(model)?),
         (Format::Json, None, Some(preset)) => Ok(serde_json::to_string_pretty(preset)? + "\n"),
-        (Format::Full, None, Some(preset)) => Ok(values_of(preset)?),
+        (Format::Full, None, Some(preset)) => file_of(preset),
         (_, None, None) => {
             let names = Model::ALL.iter().map(|model| model.name());
             let hint = did_you_mean(name, names.chain(PRESETS.iter().map(|preset| preset.name)));
@@ -129,14 +130,12 @@ fn parameters_of(model: Model) -> Result<String, std::fmt::Error> {
     Ok(text)
 }
 
-fn values_of(preset: &Preset) -> Result<String, std::fmt::Error> {
-    let mut text = format!("{}: {}\n", preset.name, preset.summary);
-    writeln!(text, "thesis, {}\n", preset.figure)?;
-    writeln!(text, "model = {}", Value::from(preset.model.name()))?;
-    for (path, value) in preset.values {
-        writeln!(text, "{path} = {value}")?;
-    }
-    Ok(text)
+/// A preset as a material file.
+fn file_of(preset: &Preset) -> Result<String, Failure> {
+    let material = Entry::new(preset.name, preset.description()?);
+    let document = Document { materials: vec![material], ..Document::default() };
+    let Preset { name, summary, figure, .. } = preset;
+    Ok(format!("# {name}: {summary}\n# thesis, {figure}\n\n{}", document.to_toml()))
 }
 
 fn full(lists: &Lists) -> Result<String, std::fmt::Error> {
@@ -160,7 +159,7 @@ fn full(lists: &Lists) -> Result<String, std::fmt::Error> {
     }
     writeln!(
         text,
-        "\nPresets; gonio list NAME shows the values of one, gonio verify material/NAME examines it"
+        "\nPresets; gonio list NAME prints one as a material file, gonio verify material/NAME examines it"
     )?;
     for preset in lists.presets {
         let model = preset.model.name();

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Material, MaterialError, Model, Value};
+use super::{Description, Material, MaterialError, Model, Value};
 use crate::parameter::did_you_mean;
 use crate::real::Real;
 
@@ -30,12 +30,20 @@ fn as_map<S: serde::Serializer>(
 }
 
 impl Preset {
-    /// The material.
+    /// What it is.
     ///
     /// # Errors
     /// Never for those of [`PRESETS`]; the constructor's errors are passed on rather than unwrapped.
+    pub fn description(&self) -> Result<Description, MaterialError> {
+        Description::new(self.model, self.values.iter().map(|(path, value)| (*path, value.clone())))
+    }
+
+    /// The material.
+    ///
+    /// # Errors
+    /// As [`Self::description`].
     pub fn material<F: Real>(&self) -> Result<Material<F>, MaterialError> {
-        Material::new(self.model, self.values.iter().map(|(path, value)| (*path, value.clone())))
+        self.description()?.material()
     }
 }
 
