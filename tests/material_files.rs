@@ -317,6 +317,35 @@ fn a_watched_file_is_checked_again_when_it_is_saved() {
     watching.wait().unwrap();
 }
 
+/// The block of a language that comes next, and what follows it.
+fn block<'a>(text: &'a str, language: &str) -> (&'a str, &'a str) {
+    let (_, rest) = text.split_once(&format!("```{language}\n")).unwrap();
+    rest.split_once("```\n").unwrap()
+}
+
+#[test]
+fn the_readme_shows_what_is_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("paint.toml");
+    let readme = include_str!("../README.md");
+    let (_, mut rest) = readme.split_once("## From an empty folder to a checked car paint\n").unwrap();
+    for _ in 0..2 {
+        let (written, after) = block(rest, "toml");
+        let (shown, after) = block(after, "text");
+        rest = after;
+        fs::write(&file, written).unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_gonio"))
+            .current_dir(folder.path())
+            .args(["check", "-q", "paint.toml"])
+            .output()
+            .unwrap();
+        assert_eq!(format!("$ gonio check paint.toml\n{}", String::from_utf8(output.stdout).unwrap()), shown);
+    }
+    let (kettle, _) =
+        readme.split_once("`gonio check kettle.toml`").map(|(_, rest)| block(rest, "toml")).unwrap();
+    assert_eq!(findings(kettle, Syntax::Toml), []);
+}
+
 /// Nothing that can be written makes the reader panic: files cut at every character, and files with bytes exchanged.
 #[test]
 fn damaged_files_are_answered() {
