@@ -91,6 +91,17 @@ pub fn xyz_to_linear_srgb([x, y, z]: [f64; 3]) -> Rgb<f64> {
     Rgb(MATRIX.map(|row| row[0] * x + row[1] * y + row[2] * z))
 }
 
+/// The inverse of the transfer function of sRGB (IEC 61966-2-1:1999, 5.2): linear light of a stored value in
+/// \[0, 1\].
+pub(crate) fn srgb_to_linear(value: f64) -> f64 {
+    if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+/// The transfer function itself.
+pub(crate) fn linear_to_srgb(light: f64) -> f64 {
+    if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,6 +121,16 @@ mod tests {
         for xyz in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
             // The standard rounds its weights to four digits.
             assert_abs_diff_eq!(xyz_to_linear_srgb(xyz).luminance(), xyz[1], epsilon = 3e-4);
+        }
+    }
+
+    #[test]
+    fn the_transfer_function_of_srgb_has_its_known_values_and_its_inverse() {
+        assert!((srgb_to_linear(0.5) - 0.214_041_140_482_232_55).abs() < 1e-12);
+        for byte in 0..=255 {
+            let stored = f64::from(byte) / 255.0;
+            // The standard's two limits are of four digits.
+            assert!((linear_to_srgb(srgb_to_linear(stored)) - stored).abs() < 1e-5, "{byte}");
         }
     }
 }

@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use gonio::fresnel::normal_incidence;
-use gonio::ior::import::{self, Message, Page};
+use gonio::ior::import::{self, Page};
 use gonio::ior::{FittedRgb, Illuminant, IorError, Provenance, Table, builtin, load, provenances};
 use gonio::message::Code;
 use gonio::parameter::did_you_mean;
-use gonio::report::write_file;
 use serde::Serialize;
 
+use super::output::{exists, write_new};
 use super::{Failure, Format, print};
 
 #[derive(clap::Subcommand)]
@@ -267,22 +267,6 @@ fn export(table: &Table, output: Option<&Path>, overwrite: bool) -> Result<Strin
         true => Ok(String::new()),
         false => Err(exists(path).into()),
     }
-}
-
-/// Writes a file whole or not at all; false if another one is there and may not be replaced.
-fn write_new(path: &Path, text: &str, overwrite: bool) -> Result<bool, Failure> {
-    let there = path.try_exists().map_err(|error| format!("cannot look for {}: {error}", path.display()))?;
-    if there && !overwrite {
-        let old = fs::read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
-        return Ok(old == text.as_bytes());
-    }
-    write_file(path, text)?;
-    Ok(true)
-}
-
-fn exists(path: &Path) -> Message {
-    let text = "is there already and differs; --overwrite replaces it".to_owned();
-    Message { code: Code::Exists, file: path.display().to_string(), line: None, text }
 }
 
 /// Imports what can be imported, tells on standard error what cannot, and counts.

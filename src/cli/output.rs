@@ -2,12 +2,15 @@
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::Duration;
 
 use bxdf_tests::{Outcome, failure_report};
 use clap::ValueEnum;
+use gonio::ior::import::Message;
+use gonio::message::Code;
 use gonio::record::RunRecord;
 use gonio::report::write_file;
 
@@ -73,6 +76,22 @@ impl Outputs {
         }
         print(&text(self.format)?)
     }
+}
+
+/// Writes a file whole or not at all; false if another one is there and may not be replaced.
+pub(crate) fn write_new(path: &Path, text: &str, overwrite: bool) -> Result<bool, Failure> {
+    let there = path.try_exists().map_err(|error| format!("cannot look for {}: {error}", path.display()))?;
+    if there && !overwrite {
+        let old = fs::read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+        return Ok(old == text.as_bytes());
+    }
+    write_file(path, text)?;
+    Ok(true)
+}
+
+pub(crate) fn exists(path: &Path) -> Message {
+    let text = "is there already and differs; --overwrite replaces it".to_owned();
+    Message { code: Code::Exists, file: path.display().to_string(), line: None, text }
 }
 
 fn full(record: &RunRecord) -> Result<String, std::fmt::Error> {

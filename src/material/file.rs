@@ -31,7 +31,6 @@ use std::path::Path;
 use super::{Description, MaterialError, Model, Profile, Remark, lint};
 use crate::message::{Code, Finding, Severity};
 
-pub(super) use colour::srgb_to_linear;
 use read::of_problem;
 pub use read::read;
 pub use schema::schema;

@@ -2,14 +2,13 @@
 
 use serde::Serialize;
 
-use super::file::srgb_to_linear;
 use super::{Description, MaterialError, Model, ParameterKind, Value, flattened, metal};
 use crate::fresnel::normal_incidence;
 use crate::ior::{self, Illuminant};
 use crate::lobe::OrenNayarModel;
 use crate::message::Code;
 use crate::microfacet::ALPHA_MIN;
-use crate::rgb::Rgb;
+use crate::rgb::{Rgb, linear_to_srgb, srgb_to_linear};
 
 /// Whose idea of plausible colours a file is held against: published ranges disagree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -233,12 +232,6 @@ fn only_deltas(description: &Description) -> Judged {
     Ok(is_delta.then(remark))
 }
 
-fn bytes_of(luminance: f64) -> f64 {
-    // The transfer function of sRGB (IEC 61966-2-1:1999, 5.2).
-    255.0
-        * if luminance <= 0.003_130_8 { 12.92 * luminance } else { 1.055 * luminance.powf(1.0 / 2.4) - 0.055 }
-}
-
 /// A diffuse colour outside of the profile.
 fn of_colour(description: &Description, profile: Profile) -> Judged {
     let is_diffuse = matches!(description.model(), Model::Matte | Model::Plastic | Model::Fabric);
@@ -250,7 +243,7 @@ fn of_colour(description: &Description, profile: Profile) -> Judged {
 fn outside(profile: Profile, [low, high]: [f64; 2], luminance: f64, path: &str) -> Option<Remark> {
     let is_inside = (srgb_to_linear(low / 255.0)..=srgb_to_linear(high / 255.0)).contains(&luminance);
     (!is_inside).then(|| {
-        let text = format!("a luminance of {luminance:.4}, {:.0} in sRGB", bytes_of(luminance));
+        let text = format!("a luminance of {luminance:.4}, {:.0} in sRGB", 255.0 * linear_to_srgb(luminance));
         let label = format!("the profile `{}` wants {low} to {high}", profile.name());
         Remark::new(Code::OutsideProfile, path, text, label)
     })
@@ -327,19 +320,4 @@ fn divided_already(eta: [f64; 3], k: [f64; 3], coat: f64) -> Option<Remark> {
         }
     }
     None
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bytes_are_those_of_srgb() {
-        for byte in 0..=255 {
-            let byte = f64::from(byte);
-            assert!((bytes_of(srgb_to_linear(byte / 255.0)) - byte).abs() < 1e-3, "{byte}");
-        }
-        // Known values of the transfer function.
-        assert!((srgb_to_linear(0.5) - 0.214_041_140_482_232_55).abs() < 1e-12);
-    }
 }

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::rgb::srgb_to_linear;
+
 /// How a colour is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(super) enum ColourSpace {
@@ -32,9 +34,4 @@ impl ColourSpace {
             Self::Srgb => colour.map(srgb_to_linear),
         }
     }
-}
-
-/// The inverse of the transfer function of sRGB (IEC 61966-2-1:1999, 5.2), on \[0, 1\].
-pub(crate) fn srgb_to_linear(value: f64) -> f64 {
-    if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
