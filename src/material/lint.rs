@@ -321,3 +321,28 @@ fn divided_already(eta: [f64; 3], k: [f64; 3], coat: f64) -> Option<Remark> {
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::PRESETS;
+    use crate::message::Severity;
+
+    fn warnings(description: &Description) -> Vec<Code> {
+        let remarks = lint(description, Profile::Measured).unwrap();
+        let codes = remarks.into_iter().map(|remark| remark.code);
+        codes.filter(|code| code.severity() == Severity::Warning).collect()
+    }
+
+    #[test]
+    fn presets_and_defaults_are_not_unusual_but_for_gold() {
+        for preset in PRESETS {
+            // The red of gold is outside of Rec. 709, whatever imitates it.
+            let expected: &[Code] = if preset.name == "rough_gold" { &[Code::OutsideGamut] } else { &[] };
+            assert_eq!(warnings(&preset.description().unwrap()), expected, "{}", preset.name);
+        }
+        for &model in Model::ALL {
+            assert_eq!(warnings(&Description::new(model, []).unwrap()), [], "{}", model.name());
+        }
+    }
+}
