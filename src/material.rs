@@ -12,6 +12,7 @@ mod car_paint;
 mod coat;
 mod description;
 mod fabric;
+pub mod foreign;
 mod glass;
 mod matte;
 mod metal;
