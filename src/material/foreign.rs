@@ -1,9 +1,9 @@
 //! Materials from the files of other programs, each with a table of what became of every value.
 //!
-//! A file says more, less and other things than a [`Description`] does. Every key that it sets is in the table of
-//! losses once: carried without error ([`Fate::Exact`]), by a rule whose error the table states
-//! ([`Fate::Converted`]), or left out ([`Fate::Dropped`]). What would be wrong by more than a tenth of the light is
-//! not imported: half a metal has no equal among the materials of the thesis.
+//! A file says more, less and other things than a [`Description`] does. Every key that it sets is in the
+//! table of losses once: carried without error ([`Fate::Exact`]), by a rule whose error the table states
+//! ([`Fate::Converted`]), or left out ([`Fate::Dropped`]). What would be wrong by more than a tenth of the
+//! light is not imported: half a metal has no equal among the materials of the thesis.
 //!
 //! # What becomes what
 //! | in the file | here |
@@ -15,10 +15,10 @@
 //! | a transmitting body; a thin one | glass; thin glass |
 //! | reflection without Fresnel's equations (`.mtl`, illum 3) | mirror |
 //!
-//! Roughness r of `.mtl` (Pr), glTF, OpenPBR and Standard Surface is perceptual: α = r². The exponent of Blinn and
-//! Phong is α = √(2 / (Ns + 2)), of equal curvature at the peak (Walter et al., "Microfacet models for refraction
-//! through rough surfaces", EGSR 2007, doi:10.2312/EGWR/EGSR07/195-206, §5.2). A transmitted colour c at depth d is
-//! an absorbance −ln(c) / d, which is exact in Napierian units.
+//! Roughness r of `.mtl` (Pr), glTF, OpenPBR and Standard Surface is perceptual: α = r². The exponent of
+//! Blinn and Phong is α = √(2 / (Ns + 2)), of equal curvature at the peak (Walter et al., "Microfacet models
+//! for refraction through rough surfaces", EGSR 2007, doi:10.2312/EGWR/EGSR07/195-206, §5.2). A transmitted
+//! colour c at depth d is an absorbance −ln(c) / d, which is exact in Napierian units.
 //!
 //! # Example
 //! ```
@@ -32,6 +32,7 @@ mod materialx;
 mod mtl;
 mod shader;
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Range;
 
@@ -165,6 +166,7 @@ struct Key {
 /// A key that a file sets.
 #[derive(Clone, Debug)]
 struct Input {
+    /// Empty for what has no meaning here.
     role: &'static str,
     /// As in the file, with its value.
     text: String,
@@ -181,17 +183,28 @@ struct Draft {
     span: Range<usize>,
     keys: Vec<Key>,
     inputs: Vec<Input>,
+    /// Where among the inputs a role is.
+    roles: BTreeMap<&'static str, usize>,
     values: Vec<(&'static str, Value, Range<usize>)>,
     findings: Vec<Finding>,
 }
 
 impl Draft {
     fn new(name: String, span: Range<usize>, keys: Vec<Key>) -> Self {
-        Self { name, span, keys, inputs: Vec::new(), values: Vec::new(), findings: Vec::new() }
+        let (inputs, roles, values, findings) = Default::default();
+        Self { name, span, keys, inputs, roles, values, findings }
+    }
+
+    /// The next input of the file.
+    fn push(&mut self, input: Input) {
+        if !input.role.is_empty() {
+            self.roles.insert(input.role, self.inputs.len());
+        }
+        self.inputs.push(input);
     }
 
     fn input(&self, role: &str) -> Option<&Input> {
-        self.inputs.iter().find(|input| input.role == role)
+        self.roles.get(role).map(|i| &self.inputs[*i])
     }
 
     /// The value that the file gives.
@@ -217,8 +230,17 @@ impl Draft {
     /// What became of inputs, unless that has been said.
     fn note(&mut self, roles: &[&str], fate: Fate, text: impl Into<String>) {
         let text = text.into();
-        for input in self.inputs.iter_mut().filter(|input| roles.contains(&input.role)) {
-            input.fate.get_or_insert((fate, text.clone()));
+        for role in roles {
+            if let Some(i) = self.roles.get(role) {
+                self.inputs[*i].fate.get_or_insert((fate, text.clone()));
+            }
+        }
+    }
+
+    /// The same in place of what was said before.
+    fn rather(&mut self, role: &str, fate: Fate, text: impl Into<String>) {
+        if let Some(i) = self.roles.get(role) {
+            self.inputs[*i].fate = Some((fate, text.into()));
         }
     }
 
@@ -249,8 +271,8 @@ impl Draft {
         self.findings.push(Finding::at(code, self.place(role), text).help(help));
     }
 
-    /// Is there nearly all (`true`) or nearly none (`false`) of something that cannot be there in part? Otherwise
-    /// the material is refused.
+    /// Is there nearly all (`true`) or nearly none (`false`) of something that cannot be there in part?
+    /// Otherwise the material is refused.
     fn share(&mut self, role: &str, weight: f64, what: &str) -> Option<bool> {
         let is_there = weight > 0.5;
         let lost = if is_there { 1.0 - weight } else { weight };
@@ -268,11 +290,12 @@ impl Draft {
         Some(is_there)
     }
 
-    /// Refuses a share of something that no material here has; `true` if there is no more than can be dropped.
+    /// Refuses a share of something that no material here has; `true` if there is no more than can be
+    /// dropped.
     fn lacks(&mut self, role: &str, weight: f64, what: &str) -> bool {
         if weight > SHARE {
             let help = "set it to 0 where the look can do without";
-            self.refuse(Code::NoEqual, role, format!("{what} has no equal here"), help);
+            self.refuse(Code::NoEqual, role, format!("{} of {what} has no equal here", show(weight)), help);
         } else if weight > 0.0 {
             self.dropped(role, format!("{what} is lost: up to {} of the light", show(weight)));
         }
@@ -360,8 +383,12 @@ fn f0_of(eta: f64) -> f64 {
     normal_incidence(eta, 0.0)
 }
 
-/// The index whose F₀ is `weight` times that of `eta`: (1 + ε) / (1 − ε), ε = ±√(w F₀) (OpenPBR 1.1, specular weight).
+/// The index whose F₀ is `weight` times that of `eta`: (1 + ε) / (1 − ε), ε = ±√(w F₀) (OpenPBR 1.1, specular
+/// weight).
 fn weighted_index(eta: f64, weight: f64) -> f64 {
+    if weight == 1.0 {
+        return eta;
+    }
     let root = (eta - 1.0) / (eta + 1.0) * weight.sqrt();
     (1.0 + root) / (1.0 - root)
 }
@@ -374,21 +401,27 @@ fn returned_inside(eta: f64) -> f64 {
     (1.0 - (1.0 - mean) / (eta * eta)).max(0.0)
 }
 
-/// The reflectance below an interface that lets the share (1 − F) `seen` of the light out: ρ / (t + ρ (1 − t)).
+/// The reflectance below an interface that lets the share (1 − F) `seen` of the light out: ρ / (t + ρ (1 −
+/// t)).
 ///
-/// Other programs lay a diffuse lobe below a highlight as (1 − F) ρ; light that is returned inside is not followed.
-/// Over a Lambertian base the refractive layer has the albedo (1 − F) t ρ′ / (1 − ρ′ (1 − t)), t = 1 − K(0), which is
-/// the same at every angle with ρ′ as above.
+/// Other programs lay a diffuse lobe below a highlight as (1 − F) ρ; light that is returned inside is not
+/// followed. Over a Lambertian base the refractive layer has the albedo (1 − F) t ρ′ / (1 − ρ′ (1 − t)), t =
+/// 1 − K(0), which is the same at every angle with ρ′ as above.
 fn below(seen: [f64; 3], eta: f64) -> [f64; 3] {
+    // A coat of another index is refused as such, not for what would follow.
+    if !(1.0..1e3).contains(&eta) {
+        return seen;
+    }
     let t = 1.0 - returned_inside(eta);
     seen.map(|rho| if rho == 0.0 { 0.0 } else { rho / (t + rho * (1.0 - t)) })
 }
 
 /// η and k of a metal of reflectance r at 0° and edge tint g.
 ///
-/// O. Gulbrandsen, "Artist friendly metallic Fresnel", JCGT 3(4), 2014, <https://jcgt.org/published/0003/04/03/>:
-/// η = g (1 − r) / (1 + r) + (1 − g) (1 + √r) / (1 − √r), k² = (r (η + 1)² − (η − 1)²) / (1 − r). At r = 1 the limit
-/// for g = 1: η = 0, k = 1, which reflects all at every angle, as every r = 1 does.
+/// O. Gulbrandsen, "Artist friendly metallic Fresnel", JCGT 3(4), 2014,
+/// <https://jcgt.org/published/0003/04/03/>: η = g (1 − r) / (1 + r) + (1 − g) (1 + √r) / (1 − √r), k² = (r
+/// (η + 1)² − (η − 1)²) / (1 − r). At r = 1 the limit for g = 1: η = 0, k = 1, which reflects all at every
+/// angle, as every r = 1 does.
 fn gulbrandsen(r: f64, g: f64) -> [f64; 2] {
     if r == 1.0 {
         return [0.0, 1.0];
@@ -415,9 +448,10 @@ impl MetalFit {
     }
 }
 
-/// The metal that has the reflectance w `f0` at 0° and w `tint` times that of Schlick's at cos θ = 1/7: the curve of
-/// Lazányi & Szirmay-Kalos with the edge at 82° (Kutz, Hašan & Edmondson, "Novel aspects of the Adobe Standard
-/// Material", 2021). `tint` 1 is Schlick's formula. Where no complex index reflects as asked at 82°, the nearest.
+/// The metal that has the reflectance w `f0` at 0° and w `tint` times that of Schlick's at cos θ = 1/7: the
+/// curve of Lazányi & Szirmay-Kalos with the edge at 82° (Kutz, Hašan & Edmondson, "Novel aspects of the
+/// Adobe Standard Material", 2021). `tint` 1 is Schlick's formula. Where no complex index reflects as asked
+/// at 82°, the nearest.
 fn metal_like_f82(f0: [f64; 3], tint: [f64; 3], weight: f64) -> MetalFit {
     let mut fit = MetalFit { eta: [0.0; 3], k: [0.0; 3], error: [0.0; 2] };
     for channel in 0..3 {
@@ -445,61 +479,4 @@ fn metal_like_f82(f0: [f64; 3], tint: [f64; 3], weight: f64) -> MetalFit {
         fit.error[1] = fit.error[1].max(mean);
     }
     fit
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::bxdf::Bxdf;
-    use crate::material::Material;
-    use approx::assert_abs_diff_eq;
-
-    #[test]
-    fn a_metal_has_the_reflectance_that_it_is_made_of() {
-        for r in [0.0, 0.04, 0.5, 0.9, 0.99, 1.0] {
-            for g in [0.0, 0.5, 1.0] {
-                let [eta, k] = gulbrandsen(r, g);
-                assert_abs_diff_eq!(normal_incidence(eta, k), r, epsilon = 1e-12);
-            }
-        }
-    }
-
-    #[test]
-    fn schlick_is_met_at_0_and_82_degrees() {
-        let fit = metal_like_f82([0.3, 0.7, 1.0], [1.0; 3], 1.0);
-        for (channel, f0) in [0.3, 0.7, 1.0].into_iter().enumerate() {
-            let at = |cos| conductor(cos, fit.eta[channel], fit.k[channel]).reflectance.unpolarized();
-            assert_abs_diff_eq!(at(1.0), f0, epsilon = 1e-12);
-            assert_abs_diff_eq!(at(1.0 / 7.0), schlick(1.0 / 7.0, f0), epsilon = 1e-9);
-        }
-        let [most, mean] = fit.error;
-        assert!(most > 0.01 && most < 0.04 && mean < 0.5 * most, "{:?}", fit.error);
-    }
-
-    /// The layer integrates by itself what [`below`] inverts in closed form.
-    #[test]
-    fn plastic_returns_the_share_that_the_file_means() {
-        for eta in [1.3, 1.5, 2.0] {
-            let reflectance = below([0.1, 0.5, 1.0], eta);
-            let plastic = Material::<f64>::new(
-                Model::Plastic,
-                [("reflectance", reflectance.into()), ("coat.eta", eta.into()), ("coat.alpha", 0.0.into())],
-            )
-            .unwrap();
-            for cos in [1.0, 0.5, 0.2] {
-                let wo = glam::DVec3::new(f64::sqrt(1.0 - cos * cos), 0.0, cos);
-                let f = dielectric(cos, eta).reflectance.unpolarized();
-                for (channel, seen) in [0.1, 0.5, 1.0].into_iter().enumerate() {
-                    assert_abs_diff_eq!(plastic.albedo(wo)[channel], f + (1.0 - f) * seen, epsilon = 1e-5);
-                }
-            }
-        }
-        assert_eq!(below([0.0, 0.5, 1.0], 1.0), [0.0, 0.5, 1.0]);
-    }
-
-    #[test]
-    fn numbers_are_shown_with_four_digits() {
-        let shown = [0.0, 1.0, 0.25, 1.0 / 3.0, 1234.5, 1e-5, 100.0].map(show);
-        assert_eq!(shown, ["0", "1", "0.25", "0.3333", "1234", "0.00001", "100"]);
-    }
 }

@@ -1,13 +1,14 @@
 //! Wavefront `.mtl`: the keys of 1995 and those that renderers have added for metals, roughness and coats.
 //!
-//! Alias|Wavefront, "File Formats" 4.2, 1995, chapter 5; the keys Pr, Pm, Ps, Pc, Pcr, aniso, anisor and norm are
-//! Exocortex's "Extending Wavefront MTL for physically-based rendering", 2015.
+//! Alias|Wavefront, "File Formats" 4.2, 1995, chapter 5; the keys Pr, Pm, Ps, Pc, Pcr, aniso, anisor and norm
+//! are Exocortex's "Extending Wavefront MTL to support PBR".
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::{
-    Draft, FINITE, Fate, Imported, Input, Key, Kind, POSITIVE, SHARE, below, f0_of, largest,
-    metal_like_f82, quoted, show, show_colour, srgb_to_linear,
+    Draft, FINITE, Fate, Imported, Input, Key, Kind, POSITIVE, SHARE, below, f0_of, largest, metal_like_f82,
+    quoted, show, show_colour, srgb_to_linear,
 };
 use crate::material::Model;
 use crate::message::{Code, Finding};
@@ -56,12 +57,13 @@ const DROPPED_MAPS: [(&str, &str); 10] = [
 
 /// The materials of a `.mtl` file, and what is wrong with those that are not among them.
 ///
-/// Keys are read in any case, colours as linear Rec. 709: the format names no colour space, and programs differ. A
-/// file with the heading of Blender has its rule for Ns. Transparency by `d` alone has no equal, but in the
-/// illumination models of glass (4, 9: a sheet of thin glass; 6, 7: glass).
+/// Keys are read in any case, colours as linear Rec. 709: the format names no colour space, and programs
+/// differ. A file with the heading of Blender has its rule for Ns. Transparency by `d` alone has no equal,
+/// but in the illumination models of glass (4, 9: a sheet of thin glass; 6, 7: glass).
 pub fn mtl(text: &str) -> (Vec<Imported>, Vec<Finding>) {
-    let (mut materials, mut findings) = (Vec::<Imported>::new(), Vec::new());
+    let (mut materials, mut findings) = (Vec::new(), Vec::new());
     let mut drafts: Vec<Draft> = Vec::new();
+    let mut taken = BTreeSet::new();
     for words in statements(text) {
         let span = words[0].start..words[words.len() - 1].end;
         let keyword = &text[words[0].clone()];
@@ -71,14 +73,14 @@ pub fn mtl(text: &str) -> (Vec<Imported>, Vec<Finding>) {
             if name.is_empty() {
                 let text = "newmtl without the name of a material";
                 draft.findings.push(Finding::at(Code::ForeignSyntax, span, text));
-            } else if drafts.iter().any(|other| other.name == name) {
+            } else if !taken.insert(name) {
                 let text = format!("a second material of the name `{}`", quoted(name));
                 draft.findings.push(Finding::at(Code::Meaningless, span, text));
             }
             drafts.push(draft);
         } else if let Some(draft) = drafts.last_mut() {
             match read(text, &words, draft) {
-                Ok(input) => draft.inputs.push(input),
+                Ok(input) => draft.push(input),
                 Err(finding) => draft.findings.push(finding),
             }
         } else {
@@ -160,14 +162,18 @@ fn read(text: &str, words: &[Range<usize>], draft: &Draft) -> Result<Input, Find
         return Err(Finding::at(Code::NotConstant, span, message).help(help));
     }
     let Some(key) = KEYS.iter().find(|key| key.name.eq_ignore_ascii_case(keyword)) else {
-        return dropped(format!("no key of the format{}", did_you_mean(keyword, KEYS.iter().map(|key| key.name))));
+        return dropped(format!(
+            "no key of the format{}",
+            did_you_mean(&quoted(keyword), KEYS.iter().map(|key| key.name))
+        ));
     };
     if draft.input(key.role).is_some() {
         let message = format!("`{}` of `{material}` is given twice", key.name);
         return Err(Finding::at(Code::Meaningless, span, message).help("keep one of the two"));
     }
     if key.name == "d" && word(1).eq_ignore_ascii_case("-halo") {
-        let message = format!("`{shown}` of `{material}`: a halo, which fades with the angle, has no equal here");
+        let message =
+            format!("`{shown}` of `{material}`: a halo, which fades with the angle, has no equal here");
         return Err(Finding::at(Code::NoEqual, span, message).help("write `d` with one number"));
     }
     let is = |name: &str| key.kind.is_colour() && word(1).eq_ignore_ascii_case(name);
@@ -223,7 +229,8 @@ enum Program {
 
 impl Program {
     fn of_file(text: &str) -> Self {
-        let mut comments = text.lines().map(str::trim).take_while(|line| line.is_empty() || line.starts_with('#'));
+        let mut comments =
+            text.lines().map(str::trim).take_while(|line| line.is_empty() || line.starts_with('#'));
         let heading = comments.find_map(|line| line.trim_start_matches(['#', ' ']).strip_prefix("Blender "));
         match heading {
             Some(rest) if rest.starts_with("MTL") => Self::Blender(900.0),
@@ -249,7 +256,12 @@ fn model(d: &mut Draft, program: Program) -> Option<Model> {
     let ks = d.given("Ks").unwrap_or(if is_pbr { [0.5; 3] } else { [0.0; 3] });
     let illum = d.given("illum").map_or(if largest(ks) > 0.0 { 2.0 } else { 1.0 }, |illum| illum[0]);
     if illum.fract() != 0.0 {
-        d.refuse(Code::Meaningless, "illum", "not the number of a model", "write a whole number from 0 to 10");
+        d.refuse(
+            Code::Meaningless,
+            "illum",
+            "not the number of a model",
+            "write a whole number from 0 to 10",
+        );
         return None;
     }
     if illum == 10.0 {
@@ -270,7 +282,8 @@ fn model(d: &mut Draft, program: Program) -> Option<Model> {
     let tf = d.given("Tf").unwrap_or([1.0; 3]);
     let refracts = matches!(illum, 6 | 7) && !metal && largest(tf) > 0.0;
     if refracts && diffuse > SHARE && d.given("Tf").is_some() {
-        let text = format!("illum {illum} adds {} of diffuse to refracted light: no equal here", show(diffuse));
+        let text =
+            format!("illum {illum} adds {} of diffuse to refracted light: no equal here", show(diffuse));
         d.refuse(Code::NoEqual, "Kd", text, "set Kd to 0 for glass, or illum to 2 for an opaque material");
     }
     let glass = refracts && diffuse <= SHARE;
@@ -279,7 +292,11 @@ fn model(d: &mut Draft, program: Program) -> Option<Model> {
         d.refuse(Code::NoEqual, "Pc", "a coat over glass has no equal here", "set Pc to 0");
     }
     if !(glass || sheet) {
-        d.lacks(if d.given("d").is_some() { "d" } else { "Tr" }, 1.0 - dissolve, "transparency without refraction");
+        d.lacks(
+            if d.given("d").is_some() { "d" } else { "Tr" },
+            1.0 - dissolve,
+            "transparency without refraction",
+        );
     }
     if !d.findings.is_empty() {
         return None;
@@ -298,11 +315,14 @@ fn model(d: &mut Draft, program: Program) -> Option<Model> {
     let has_highlight = illum >= 2 && largest(ks) > 0.0;
     let reflects = matches!(illum, 3 | 5 | 8);
     if has_highlight && reflects && !is_pbr && kd == [0.0; 3] {
-        d.dropped("Ns", "reflections are sharp in this illumination model; highlights of lights are with them");
+        d.dropped(
+            "Ns",
+            "reflections are sharp in this illumination model; highlights of lights are with them",
+        );
         if illum == 5 {
             return Some(conductor(d, program, ks, "Ks", false));
         }
-        colour_note(d, "Ks", "reflectance at every angle");
+        colour_note(d, "Ks", Fate::Exact, "reflectance at every angle");
         d.note(&["Ni"], Fate::Exact, "without Fresnel's equations in this illumination model");
         d.set("reflectance", ks, "Ks");
         return Some(Model::Mirror);
@@ -327,13 +347,13 @@ fn dissolve(d: &mut Draft) -> Option<f64> {
     }
 }
 
-/// A colour whose space the format leaves open.
-fn colour_note(d: &mut Draft, role: &str, text: impl Into<String>) {
+/// A colour whose space the format leaves open; `fate` is its own where there is no doubt about that.
+fn colour_note(d: &mut Draft, role: &str, fate: Fate, text: impl Into<String>) {
     let Some(colour) = d.given(role) else { return };
     let text = text.into();
     let decoded = colour.map(srgb_to_linear);
     if decoded == colour || d.input(role).is_some_and(|input| input.text.contains("xyz")) {
-        d.exact(role, text);
+        d.note(&[role], fate, text);
     } else {
         let decoded = show_colour(decoded);
         d.converted(role, format!("{text}; taken as linear: if the program wrote sRGB, {decoded} was meant"));
@@ -380,7 +400,7 @@ fn alpha(d: &mut Draft, program: Program, [path, distribution]: [&'static str; 2
 fn transmitting(d: &mut Draft, program: Program, illum: u8, glass: bool, diffuse: f64) -> Model {
     let eta = d.given("Ni").map_or(USUAL_ETA, |ni| ni[0]);
     d.set("eta", eta, "Ni");
-    d.exact("Ni", "η");
+    d.exact("Ni", "index of refraction η");
     if diffuse > 0.0 {
         d.dropped("Kd", format!("glass has no diffuse lobe: up to {} of the light is lost", show(diffuse)));
     }
@@ -390,7 +410,7 @@ fn transmitting(d: &mut Draft, program: Program, illum: u8, glass: bool, diffuse
     if !glass {
         d.note(&["d", "Tr"], Fate::Converted, "a sheet passes what it does not reflect");
         d.set("transmission", tf, "Tf");
-        colour_note(d, "Tf", "multiplies what passes");
+        colour_note(d, "Tf", Fate::Exact, "multiplies what passes");
         d.note(&["Ns", "Pr"], Fate::Dropped, "a sheet is clear here, as its reflections are in the file");
         return Model::ThinGlass;
     }
@@ -398,7 +418,12 @@ fn transmitting(d: &mut Draft, program: Program, illum: u8, glass: bool, diffuse
     d.note(&["d", "Tr"], Fate::Exact, text);
     d.set("transmission", tf.map(f64::sqrt), "Tf");
     let shown = show_colour(tf.map(f64::sqrt));
-    colour_note(d, "Tf", format!("√Tf = {shown} at every boundary: Tf through a body with two faces"));
+    colour_note(
+        d,
+        "Tf",
+        Fate::Exact,
+        format!("√Tf = {shown} at every boundary: Tf through a body with two faces"),
+    );
     d.set("alpha", 0.0, "Ns");
     // Blender's Ns is of the surface, an exponent of the highlights alone.
     if d.given("Pr").is_some() || program != Program::Unknown {
@@ -415,14 +440,8 @@ fn conductor(d: &mut Draft, program: Program, f0: [f64; 3], role: &str, coat: bo
     d.set("eta", fit.eta.map(|eta| eta * scale), role);
     d.set("k", fit.k.map(|k| k * scale), role);
     let text = format!("η and k of Schlick's formula at 0° and 82°; elsewhere {}", fit.error_in_words());
-    colour_note(d, role, text);
-    // Where the colour itself is beyond doubt, the formula is not.
-    if let Some(input) = d.inputs.iter_mut().find(|input| input.role == role)
-        && let Some((fate, _)) = &mut input.fate
-        && fit.error[0] > 0.0
-    {
-        *fate = Fate::Converted;
-    }
+    let fate = if fit.error[0] > 0.0 { Fate::Converted } else { Fate::Exact };
+    colour_note(d, role, fate, text);
     d.exact("Ni", "η and k follow from the colour of a metal");
     d.dropped("Ks", "a metal's highlight has the colour of the metal");
     d.exact("Kd", "black");
@@ -434,11 +453,15 @@ fn conductor(d: &mut Draft, program: Program, f0: [f64; 3], role: &str, coat: bo
             // Burley, "Physically based shading at Disney", 2012: αx / αy = 1 / (1 − 0.9 aniso).
             let ratio = 1.0 - 0.9 * aniso;
             d.set("anisotropy", ratio, "aniso");
-            let text = format!("αy / αx = 1 − 0.9 aniso = {}, Burley's rule; the format has none", show(ratio));
+            let text =
+                format!("αy / αx = 1 − 0.9 aniso = {}, Burley's rule; the format has none", show(ratio));
             d.converted("aniso", text);
             if let Some([turns, ..]) = d.given("anisor") {
                 d.set("rotation_deg", 360.0 * turns, "anisor");
-                d.converted("anisor", format!("{}°; the format has no unit, this is turns", show(360.0 * turns)));
+                d.converted(
+                    "anisor",
+                    format!("{}°; the format has no unit, this is turns", show(360.0 * turns)),
+                );
             }
         }
     }
@@ -460,7 +483,7 @@ fn put_coat(d: &mut Draft) {
 fn opaque(d: &mut Draft, program: Program, kd: [f64; 3], has_highlight: bool, coat: bool) -> Model {
     if !has_highlight && !coat {
         d.set("reflectance", kd, "Kd");
-        colour_note(d, "Kd", "reflectance");
+        colour_note(d, "Kd", Fate::Exact, "reflectance");
         d.note(&["Ks", "Ns", "Ni", "Pr", "aniso", "anisor"], Fate::Exact, "no highlight");
         return Model::Matte;
     }
@@ -475,36 +498,25 @@ fn opaque(d: &mut Draft, program: Program, kd: [f64; 3], has_highlight: bool, co
     } else {
         if eta == 1.0 {
             eta = USUAL_ETA;
-            let text = "1 reflects nothing, and the file has a highlight: η = 1.5, 0.04 of the light straight on";
+            let text =
+                "1 reflects nothing, and the file has a highlight: η = 1.5, 0.04 of the light straight on";
             d.dropped("Ni", text);
         }
         d.set("coat.eta", eta, "Ni");
-        d.exact("Ni", "η");
+        d.exact("Ni", "index of refraction η");
         alpha(d, program, ["coat.alpha", "coat.distribution"]);
         let f0 = show(f0_of(eta));
-        d.dropped("Ks", format!("the strength of the highlight is Fresnel's: {f0} straight on, more at an angle"));
+        d.dropped(
+            "Ks",
+            format!("the strength of the highlight is Fresnel's: {f0} straight on, more at an angle"),
+        );
         d.note(&["aniso", "anisor"], Fate::Dropped, "plastic is isotropic here: the highlight is round");
     }
     let reflectance = below(kd, eta);
     d.set("reflectance", reflectance, "Kd");
     let shown = show_colour(reflectance);
-    colour_note(d, "Kd", format!("{shown} below the interface: the share (1 − F) Kd of the light leaves"));
+    let text = format!("{shown} below the interface: the share (1 − F) Kd of the light leaves");
+    // The file adds its highlight to Kd and does not take F off.
+    colour_note(d, "Kd", Fate::Converted, text);
     Model::Plastic
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn words(text: &str) -> Vec<Vec<&str>> {
-        statements(text).into_iter().map(|words| words.into_iter().map(|word| &text[word]).collect()).collect()
-    }
-
-    #[test]
-    fn a_statement_is_a_line_without_its_comment() {
-        assert_eq!(
-            words("\u{feff}newmtl a # b\r\n\tKd\t0.1 \\\r\n 0.2 0.3\rNs 1 \\\n# c\n\n#d\nmap_Kd C:\\x.png"),
-            [vec!["newmtl", "a"], vec!["Kd", "0.1", "0.2", "0.3"], vec!["Ns", "1"], vec!["map_Kd", "C:\\x.png"]]
-        );
-    }
 }

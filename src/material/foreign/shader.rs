@@ -1,12 +1,14 @@
 //! What the inputs of `standard_surface`, `open_pbr_surface` and `gltf_pbr` mean here.
 //!
-//! The definitions are the graphs of the MaterialX library (`libraries/bxdf`); I. Georgiev et al., "Autodesk Standard
-//! Surface" 1.0.1, 2019; Z. Andersson et al., "OpenPBR Surface specification" 1.1, ASWF 2024; Khronos, "glTF 2.0" with
-//! KHR_materials_volume, appendix B. The three share their structure, so that one table of roles serves all.
+//! The definitions are the graphs of the MaterialX library (`libraries/bxdf`); I. Georgiev et al., "Autodesk
+//! Standard Surface" 1.0.1, 2019; Z. Andersson et al., "OpenPBR Surface specification" 1.1, ASWF 2024;
+//! Khronos, "glTF 2.0" with KHR_materials_volume, appendix B. The three share their structure, so that one
+//! table of roles serves all. The library's shaders give back what single scattering loses at rough facets:
+//! here `scattering` = all, where a model has it.
 
 use super::{
-    CLEAR, Draft, FINITE, Fate, Imported, Key, Kind, POSITIVE, absorbance, below, f0_of, gulbrandsen, largest,
-    metal_like_f82, product, returned_inside, show, show_colour, smallest, weighted_index,
+    CLEAR, Draft, FINITE, Fate, Imported, Key, Kind, POSITIVE, absorbance, below, f0_of, gulbrandsen,
+    largest, metal_like_f82, product, returned_inside, show, show_colour, smallest, weighted_index,
 };
 use crate::material::Model;
 use crate::message::{Code, Finding};
@@ -254,7 +256,8 @@ fn model(shader: Shader, d: &mut Draft) -> Option<Model> {
 fn surroundings(shader: Shader, d: &mut Draft) {
     let emitted = d.number("emission") * largest(d.colour("emission_color"));
     if emitted > 0.0 {
-        let text = format!("a material does not emit: {} of radiance is to be a light beside it", show(emitted));
+        let text =
+            format!("a material does not emit: {} of radiance is to be a light beside it", show(emitted));
         d.note(&["emission", "emission_color"], Fate::Dropped, text);
     }
     let vectors: Vec<_> = d.keys.iter().filter(|key| key.kind == Kind::Vector).map(|key| key.role).collect();
@@ -293,9 +296,15 @@ fn alphas(shader: Shader, d: &mut Draft, coat: bool) -> [f64; 2] {
         }
         Shader::Gltf => [square + (1.0 - square) * anisotropy * anisotropy, square],
     };
-    let mean = (alphas[0] * alphas[1]).sqrt();
-    let by = if roughness == given { String::new() } else { format!(", r = {} below the coat", show(roughness)) };
-    d.exact("roughness", format!("perceptual: α = r² = {} of GGX{by}", show(mean)));
+    let mut text = format!("perceptual: α = r² = {} of GGX", show(square));
+    if roughness != given {
+        text = format!("{text}, r = {} as widened by the coat", show(roughness));
+    }
+    if alphas[0] != alphas[1] {
+        text =
+            format!("{text}, made αx = {} and αy = {} by the anisotropy", show(alphas[0]), show(alphas[1]));
+    }
+    d.exact("roughness", text);
     alphas
 }
 
@@ -339,7 +348,8 @@ fn put_coat(shader: Shader, d: &mut Draft) {
         // At 90° the way inside is longer by 1 / cos θ'; there both ways are, at most.
         let longest = 1.0 / (1.0 - 1.0 / (eta * eta)).sqrt();
         let error = largest(colour.map(|c| c - c.powf(longest)));
-        let text = format!("{text}: as the file straight down, darker by up to {} at grazing angles", show(error));
+        let text =
+            format!("{text}: as the file straight down, darker by up to {} at grazing angles", show(error));
         d.converted("coat_color", text);
     }
 }
@@ -361,8 +371,16 @@ fn conductor(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
         Shader::OpenPbr | Shader::Gltf => {
             let (tint, weight) = if shader == Shader::OpenPbr { (tint, weight) } else { ([1.0; 3], 1.0) };
             if largest(base) * weight > 1.0 {
-                let text = format!("F at 0° is {}: more light would leave than arrives", show(largest(base) * weight));
-                d.refuse(Code::Meaningless, "specular_weight", text, "a weight of at most 1 is meant for metals");
+                let text = format!(
+                    "F at 0° is {}: more light would leave than arrives",
+                    show(largest(base) * weight)
+                );
+                d.refuse(
+                    Code::Meaningless,
+                    "specular_weight",
+                    text,
+                    "a weight of at most 1 is meant for metals",
+                );
                 return None;
             }
             let fit = metal_like_f82(base, tint, weight);
@@ -397,7 +415,6 @@ fn conductor(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
     d.set("alpha", alpha, "roughness");
     d.set("distribution", "ggx", "roughness");
     if alpha > 0.0 && !coat {
-        // The library's shaders return the energy of later bounces.
         d.set("scattering", "all", "roughness");
     }
     if alphas[0] != alphas[1] {
@@ -410,7 +427,10 @@ fn conductor(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
         };
         if degrees != 0.0 {
             d.set("rotation_deg", degrees, "rotation");
-            let text = format!("{}° counter-clockwise about the normal, as glTF; shaders differ in the sense", show(degrees));
+            let text = format!(
+                "{}° counter-clockwise about the normal, as glTF; shaders differ in the sense",
+                show(degrees)
+            );
             d.note(&["rotation"], if shader == Shader::Gltf { Fate::Exact } else { Fate::Converted }, text);
         }
     }
@@ -431,7 +451,7 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
         _ => (given, tint.map(|c| c * weight)),
     };
     d.set("eta", eta, "ior");
-    d.exact("ior", "η");
+    d.exact("ior", "index of refraction η");
     let alphas = alphas(shader, d, false);
     let alpha = level(d, alphas);
     dispersion(shader, d, given);
@@ -456,10 +476,12 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
             show(2.0 * r / (1.0 + r)),
             show(r)
         );
-        d.converted(if shader == Shader::Gltf { "thickness" } else { "thin_walled" }, text);
+        // glTF's sheet is what has no thickness, which the file need not say.
+        d.rather(if shader == Shader::Gltf { "transmission" } else { "thin_walled" }, Fate::Converted, text);
         d.exact(passes_role, "multiplies what passes");
         if reflection != [1.0; 3] {
-            let text = format!("a sheet's reflection has no tint here; the file has {}", show_colour(reflection));
+            let text =
+                format!("a sheet's reflection has no tint here; the file has {}", show_colour(reflection));
             d.note(&["specular_weight", "specular_color"], Fate::Dropped, text);
         }
         return Some(Model::ThinGlass);
@@ -468,7 +490,10 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
     d.set("distribution", "ggx", "roughness");
     if reflection != [1.0; 3] {
         d.set("reflection", reflection, if weight == 1.0 { "specular_color" } else { "specular_weight" });
-        let text = format!("tint {} of the reflected light, which the transmitted light does not gain", show_colour(reflection));
+        let text = format!(
+            "tint {} of the reflected light, which the transmitted light does not gain",
+            show_colour(reflection)
+        );
         d.note(&["specular_weight", "specular_color"], Fate::Converted, text);
     }
     if shader == Shader::OpenPbr && weight != 1.0 {
@@ -477,7 +502,8 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
     let extra = d.number("extra_roughness");
     if extra != 0.0 {
         let refracted = (d.number("roughness") + extra).clamp(0.0, 1.0).powi(2);
-        let text = format!("light refracts with the α of reflection here; the file has α = {}", show(refracted));
+        let text =
+            format!("light refracts with the α of reflection here; the file has α = {}", show(refracted));
         d.dropped("extra_roughness", text);
     }
     let absorbs = match shader {
@@ -519,7 +545,10 @@ fn dispersion(shader: Shader, d: &mut Draft, eta: f64) {
         _ => 0.0,
     };
     if spread != 0.0 {
-        let text = format!("one index for all colours; the file has η from 656 to 486 nm differ by {}", show(spread));
+        let text = format!(
+            "one index for all colours; in the file it is {} more at 486 than at 656 nm",
+            show(spread)
+        );
         d.note(&["dispersion", "dispersion_scale"], Fate::Dropped, text);
     }
 }
@@ -538,7 +567,6 @@ fn opaque(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
         return Some(Model::Matte);
     }
     diffuse_roughness(shader, d, true);
-    let highlight = ["specular_weight", "specular_color", "ior"];
     let (eta, seen);
     if coat {
         put_coat(shader, d);
@@ -546,9 +574,14 @@ fn opaque(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
         // OpenPBR's base lies in the coat, the others' in air.
         let relative = if shader == Shader::OpenPbr { ior / eta } else { ior };
         let f0 = weight * f0_of(relative);
-        let text = format!("the highlight below the coat is lost: {} of the light straight on", show(f0));
-        d.note(&highlight, Fate::Dropped, text.clone());
-        d.note(&["roughness", "anisotropy", "rotation", "coat_affect_roughness"], Fate::Dropped, text);
+        let (fate, text) = if f0 == 0.0 {
+            (Fate::Exact, "no highlight below the coat".to_owned())
+        } else {
+            let f0 = show(f0);
+            (Fate::Dropped, format!("the highlight below the coat is lost: {f0} of the light straight on"))
+        };
+        d.note(&["specular_weight", "specular_color", "ior"], fate, text.clone());
+        d.note(&["roughness", "anisotropy", "rotation", "coat_affect_roughness"], fate, text);
         let returned = returned_inside(eta);
         let darkening = d.number("coat_darkening");
         d.exact("coat_darkening", "light that the coat returns, in the colour of the base");
@@ -563,7 +596,7 @@ fn opaque(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
         d.set("coat.eta", eta, "ior");
         d.set("coat.alpha", alpha, "roughness");
         d.set("coat.distribution", "ggx", "roughness");
-        d.exact("ior", if weight == 1.0 { "η".to_owned() } else { format!("with its weight η = {}", show(eta)) });
+        d.exact("ior", format!("index of refraction, with its weight η = {}", show(eta)));
         let spread = (largest(tint) - smallest(tint)) * d.number("specular_weight") * f0_of(ior);
         if weight != 1.0 {
             let text = format!("scales F at 0°: η = {}", show(eta));
@@ -571,11 +604,13 @@ fn opaque(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
             let (fate, text) = if is_same {
                 (Fate::Exact, text)
             } else {
-                (Fate::Converted, format!("{text}; at 90° the file has {} in place of 1", show_colour(tint)))
+                let grazing = show_colour(tint.map(|c| c * d.number("specular_weight")));
+                (Fate::Converted, format!("{text}; at 90° the file has {grazing} in place of 1"))
             };
             d.note(&["specular_weight"], fate, text.clone());
             if spread > 0.0 {
-                let text = format!("{text}; the colour of the highlight is lost, {} straight on", show(spread));
+                let text =
+                    format!("{text}; the colour of the highlight is lost, {} straight on", show(spread));
                 d.dropped("specular_color", text);
             } else {
                 d.note(&["specular_color"], fate, text);
@@ -586,7 +621,7 @@ fn opaque(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
     let reflectance = below(seen, eta);
     d.set("reflectance", reflectance, "base_color");
     let text = format!(
-        "{} below the interface: the share (1 − F) {} leaves, exact if smooth; how it spreads over angles is refraction's",
+        "{} below the interface: the share (1 − F) {} leaves, exact if smooth; it spreads by refraction",
         show_colour(reflectance),
         show_colour(seen)
     );
@@ -606,12 +641,14 @@ fn diffuse_colour(shader: Shader, d: &mut Draft, coat: bool) -> Option<[f64; 3]>
         Shader::Standard if coat => 1.0 + d.number("coat") * d.number("coat_affect_color"),
         _ => 1.0,
     };
-    let [base, inner] = ["base_color", "subsurface_color"].map(|role| d.colour(role).map(|c| c.powf(exponent)));
+    let [base, inner] =
+        ["base_color", "subsurface_color"].map(|role| d.colour(role).map(|c| c.powf(exponent)));
     if exponent != 1.0 {
         d.exact("coat_affect_color", format!("the colours below the coat to the power {}", show(exponent)));
     }
     if share > 0.0 {
-        let text = "mixed into the reflectance: as much light of the same colour, which leaves where it entered";
+        let text =
+            "mixed into the reflectance: as much light of the same colour, which leaves where it entered";
         d.note(&["subsurface", "subsurface_color"], Fate::Converted, text);
         let text = "light is not moved along the surface: wrong at details smaller than this";
         d.note(&["subsurface_radius", "subsurface_scale", "subsurface_anisotropy"], Fate::Dropped, text);
@@ -651,7 +688,10 @@ fn diffuse_roughness(shader: Shader, d: &mut Draft, is_below: bool) {
         let a_f = |r: f64| 1.0 / (1.0 + (0.5 - 2.0 / (3.0 * core::f64::consts::PI)) * r);
         let largest = |r: f64| a_f(r) * (1.0 + r);
         let error = largest(roughness) / largest(r) - 1.0;
-        d.converted("diffuse_roughness", format!("{text}, the largest here: off by {} of itself", show(error)));
+        d.converted(
+            "diffuse_roughness",
+            format!("{text}, the largest here: off by {} of itself", show(error)),
+        );
     } else if is_below {
         d.converted("diffuse_roughness", format!("{text}, for directions refracted into the coat"));
     } else {
