@@ -528,141 +528,85 @@ fn colours_are_decoded_into_linear_rec_709() {
 /// An input that no arm of the translation knows would be told as without effect.
 #[test]
 fn every_input_of_every_shader_has_an_effect_or_is_lost_somewhere() {
-    // The inputs, each at a value that is not the default, with what makes them count.
-    let cases: [(&str, &[(&str, &str)]); 3] = [
+    // The inputs, each at a value that is not the default, and behind a space the others that make it count.
+    let cases = [
         (
             "standard_surface",
-            &[
-                ("base=0.5", ""),
-                ("base_color=0.1,0.2,0.3", ""),
-                ("diffuse_roughness=0.3", ""),
-                ("metalness=1", ""),
-                ("specular=0.5", ""),
-                ("specular_color=0.5,0.6,0.7", ""),
-                ("specular_roughness=0.4", ""),
-                ("specular_IOR=1.6", ""),
-                ("specular_anisotropy=0.5", ""),
-                ("specular_rotation=0.1", "metalness=1;specular_anisotropy=0.5"),
-                ("transmission=1", ""),
-                ("transmission_color=0.5,0.5,0.5", "transmission=1"),
-                ("transmission_depth=2", "transmission=1;transmission_color=0.5,0.5,0.5"),
-                ("transmission_scatter=1,1,1", "transmission=1"),
-                ("transmission_dispersion=30", "transmission=1"),
-                ("transmission_extra_roughness=0.1", "transmission=1"),
-                ("subsurface=0.5", ""),
-                ("subsurface_color=0.5,0.4,0.3", "subsurface=0.5"),
-                ("subsurface_radius=2,2,2", "subsurface=0.5"),
-                ("subsurface_scale=2", "subsurface=0.5"),
-                ("subsurface_anisotropy=0.2", "subsurface=0.5"),
-                ("sheen=0.05", ""),
-                ("coat=1", ""),
-                ("coat_color=0.5,0.6,0.7", "coat=1"),
-                ("coat_roughness=0.2", "coat=1"),
-                ("coat_anisotropy=0.2", "coat=1"),
-                ("coat_rotation=0.2", "coat=1;coat_anisotropy=0.2"),
-                ("coat_IOR=1.4", "coat=1"),
-                ("coat_normal=0,0,1", ""),
-                ("coat_affect_color=0.5", "coat=1"),
-                ("coat_affect_roughness=0.5", "coat=1;metalness=1"),
-                ("thin_film_thickness=300", ""),
-                ("emission=1", ""),
-                ("emission_color=0.5,0.5,0.5", "emission=1"),
-                ("opacity=0.95,0.95,0.95", ""),
-                ("thin_walled=true", "transmission=1;specular_roughness=0"),
-                ("normal=0,0,1", ""),
-                ("tangent=1,0,0", ""),
-            ],
+            "base=0.5 | base_color=0.1,0.2,0.3 | diffuse_roughness=0.3 | metalness=1 | \
+             specular=0.5 | specular_color=0.5,0.6,0.7 | specular_roughness=0.4 | specular_IOR=1.6 | \
+             specular_anisotropy=0.5 | specular_rotation=0.1 metalness=1;specular_anisotropy=0.5 | \
+             transmission=1 | transmission_color=0.5,0.5,0.5 transmission=1 | \
+             transmission_depth=2 transmission=1;transmission_color=0.5,0.5,0.5 | \
+             transmission_scatter=1,1,1 transmission=1 | transmission_dispersion=30 transmission=1 | \
+             transmission_extra_roughness=0.1 transmission=1 | subsurface=0.5 | \
+             subsurface_color=0.5,0.4,0.3 subsurface=0.5 | subsurface_radius=2,2,2 subsurface=0.5 | \
+             subsurface_scale=2 subsurface=0.5 | subsurface_anisotropy=0.2 subsurface=0.5 | \
+             sheen=0.05 | coat=1 | coat_color=0.5,0.6,0.7 coat=1 | coat_roughness=0.2 coat=1 | \
+             coat_anisotropy=0.2 coat=1 | coat_rotation=0.2 coat=1;coat_anisotropy=0.2 | \
+             coat_IOR=1.4 coat=1 | coat_normal=0,0,1 | coat_affect_color=0.5 coat=1 | \
+             coat_affect_roughness=0.5 coat=1;metalness=1 | thin_film_thickness=300 | emission=1 | \
+             emission_color=0.5,0.5,0.5 emission=1 | opacity=0.95,0.95,0.95 | \
+             thin_walled=true transmission=1;specular_roughness=0 | normal=0,0,1 | tangent=1,0,0 | \
+             sheen_color=0.5,0.5,0.5 sheen=0.05 | sheen_roughness=0.5 sheen=0.05 | \
+             thin_film_IOR=1.4 thin_film_thickness=300 | coat_color=0.5,0.5,0.5 coat=0.05 | \
+             transmission_depth=3 transmission=0.05",
         ),
         (
             "open_pbr_surface",
-            &[
-                ("base_weight=0.5", ""),
-                ("base_color=0.1,0.2,0.3", ""),
-                ("base_diffuse_roughness=0.3", ""),
-                ("base_metalness=1", ""),
-                ("specular_weight=0.5", ""),
-                ("specular_color=0.5,0.6,0.7", ""),
-                ("specular_roughness=0.4", ""),
-                ("specular_ior=1.6", ""),
-                ("specular_roughness_anisotropy=0.5", ""),
-                ("transmission_weight=1", ""),
-                ("transmission_color=0.5,0.5,0.5", "transmission_weight=1"),
-                ("transmission_depth=2", "transmission_weight=1;transmission_color=0.5,0.5,0.5"),
-                ("transmission_scatter=1,1,1", "transmission_weight=1"),
-                ("transmission_dispersion_scale=1", "transmission_weight=1"),
-                (
-                    "transmission_dispersion_abbe_number=30",
-                    "transmission_weight=1;transmission_dispersion_scale=1",
-                ),
-                ("subsurface_weight=0.5", ""),
-                ("subsurface_color=0.5,0.4,0.3", "subsurface_weight=0.5"),
-                ("subsurface_radius=2", "subsurface_weight=0.5"),
-                ("subsurface_radius_scale=1,1,1", "subsurface_weight=0.5"),
-                ("subsurface_scatter_anisotropy=0.2", "subsurface_weight=0.5"),
-                ("fuzz_weight=0.05", ""),
-                ("coat_weight=1", ""),
-                ("coat_color=0.5,0.6,0.7", "coat_weight=1"),
-                ("coat_roughness=0.2", "coat_weight=1"),
-                ("coat_roughness_anisotropy=0.2", "coat_weight=1"),
-                ("coat_ior=1.4", "coat_weight=1"),
-                ("coat_darkening=0.5", "coat_weight=1"),
-                ("coat_darkening=0.5", "coat_weight=1;base_metalness=1"),
-                ("thin_film_weight=0.05", ""),
-                ("emission_luminance=1", ""),
-                ("geometry_opacity=0.95", ""),
-                ("geometry_thin_walled=true", "transmission_weight=1;specular_roughness=0"),
-                ("geometry_normal=0,0,1", ""),
-                ("geometry_coat_normal=0,0,1", ""),
-                ("geometry_tangent=1,0,0", ""),
-                ("geometry_coat_tangent=1,0,0", ""),
-            ],
+            "base_weight=0.5 | base_color=0.1,0.2,0.3 | base_diffuse_roughness=0.3 | \
+             base_metalness=1 | specular_weight=0.5 | specular_color=0.5,0.6,0.7 | \
+             specular_roughness=0.4 | specular_ior=1.6 | specular_roughness_anisotropy=0.5 | \
+             transmission_weight=1 | transmission_color=0.5,0.5,0.5 transmission_weight=1 | \
+             transmission_depth=2 transmission_weight=1;transmission_color=0.5,0.5,0.5 | \
+             transmission_scatter=1,1,1 transmission_weight=1 | \
+             transmission_dispersion_scale=1 transmission_weight=1 | \
+             transmission_dispersion_abbe_number=30 transmission_weight=1;transmission_dispersion_scale=1 | \
+             subsurface_weight=0.5 | subsurface_color=0.5,0.4,0.3 subsurface_weight=0.5 | \
+             subsurface_radius=2 subsurface_weight=0.5 | \
+             subsurface_radius_scale=1,1,1 subsurface_weight=0.5 | \
+             subsurface_scatter_anisotropy=0.2 subsurface_weight=0.5 | fuzz_weight=0.05 | \
+             coat_weight=1 | coat_color=0.5,0.6,0.7 coat_weight=1 | \
+             coat_roughness=0.2 coat_weight=1 | coat_roughness_anisotropy=0.2 coat_weight=1 | \
+             coat_ior=1.4 coat_weight=1 | coat_darkening=0.5 coat_weight=1 | \
+             coat_darkening=0.5 coat_weight=1;base_metalness=1 | thin_film_weight=0.05 | \
+             emission_luminance=1 | geometry_opacity=0.95 | \
+             geometry_thin_walled=true transmission_weight=1;specular_roughness=0 | \
+             geometry_normal=0,0,1 | geometry_coat_normal=0,0,1 | geometry_tangent=1,0,0 | \
+             geometry_coat_tangent=1,0,0 | fuzz_color=0.5,0.5,0.5 fuzz_weight=0.05 | \
+             fuzz_roughness=0.2 fuzz_weight=0.05 | thin_film_thickness=0.3 thin_film_weight=0.05 | \
+             thin_film_ior=1.5 thin_film_weight=0.05 | \
+             transmission_scatter_anisotropy=0.5 transmission_weight=1;transmission_scatter=1,1,1",
         ),
         (
             "gltf_pbr",
-            &[
-                ("base_color=0.1,0.2,0.3", ""),
-                ("metallic=0", ""),
-                ("roughness=0.4", ""),
-                ("normal=0,0,1", ""),
-                ("tangent=1,0,0", ""),
-                ("occlusion=0.5", ""),
-                ("transmission=1", "metallic=0;roughness=0"),
-                ("specular=0.5", "metallic=0"),
-                ("specular_color=0.5,0.6,0.7", "metallic=0"),
-                ("ior=1.6", "metallic=0"),
-                ("alpha=0.95", "alpha_mode=2"),
-                ("iridescence=0.05", ""),
-                ("sheen_color=0.05,0,0", ""),
-                ("clearcoat=1", ""),
-                ("clearcoat_roughness=0.2", "clearcoat=1"),
-                ("clearcoat_normal=0,0,1", ""),
-                ("emissive=1,1,1", ""),
-                ("emissive_strength=2", "emissive=1,1,1"),
-                (
-                    "attenuation_distance=2",
-                    "metallic=0;transmission=1;thickness=1;attenuation_color=0.5,0.5,0.5",
-                ),
-                (
-                    "attenuation_color=0.5,0.5,0.5",
-                    "metallic=0;transmission=1;thickness=1;attenuation_distance=2",
-                ),
-                ("anisotropy_strength=0.5", "roughness=0.3"),
-                ("anisotropy_rotation=0.5", "roughness=0.3;anisotropy_strength=0.5"),
-                ("dispersion=1", "metallic=0;transmission=1;thickness=1"),
-            ],
+            "base_color=0.1,0.2,0.3 | metallic=0 | roughness=0.4 | normal=0,0,1 | tangent=1,0,0 | \
+             occlusion=0.5 | transmission=1 metallic=0;roughness=0 | specular=0.5 metallic=0 | \
+             specular_color=0.5,0.6,0.7 metallic=0 | ior=1.6 metallic=0 | alpha=0.95 alpha_mode=2 | \
+             iridescence=0.05 | sheen_color=0.05,0,0 | clearcoat=1 | \
+             clearcoat_roughness=0.2 clearcoat=1 | clearcoat_normal=0,0,1 | emissive=1,1,1 | \
+             emissive_strength=2 emissive=1,1,1 | \
+             attenuation_distance=2 metallic=0;transmission=1;thickness=1;attenuation_color=0.5,0.5,0.5 | \
+             attenuation_color=0.5,0.5,0.5 metallic=0;transmission=1;thickness=1;attenuation_distance=2 | \
+             anisotropy_strength=0.5 roughness=0.3 | \
+             anisotropy_rotation=0.5 roughness=0.3;anisotropy_strength=0.5 | \
+             dispersion=1 metallic=0;transmission=1;thickness=1 | \
+             sheen_roughness=0.2 sheen_color=0.05,0,0 | iridescence_ior=1.5 iridescence=0.05 | \
+             iridescence_thickness=200 iridescence=0.05 | thickness=1 metallic=0;transmission=1 | \
+             alpha_mode=1 alpha=0.5 | alpha_cutoff=0.2 alpha=0.95;alpha_mode=1",
         ),
     ];
     let mut silent = String::new();
     for (element, cases) in cases {
-        for (input, others) in cases {
+        for case in cases.split(" | ") {
+            let (input, others) = case.split_once(' ').unwrap_or((case, ""));
             let (materials, findings) = shader(element, &format!("{input};{others}"));
             let name = input.split_once('=').unwrap().0;
             let is_told = match materials.first() {
                 Some(material) => loss(material, name).1 != "without effect on this material",
-                None => findings.iter().any(|finding| finding.code == Code::NoEqual),
+                None => findings.iter().all(|finding| finding.code == Code::NoEqual),
             };
             if !is_told {
-                writeln!(silent, "{element}: {input} with {others}: {findings:?}").unwrap();
+                writeln!(silent, "{element}: {case}: {findings:?}").unwrap();
             }
         }
     }
@@ -846,7 +790,7 @@ fn materialx_that_has_no_meaning_here_is_refused_where_it_stands() {
                 input(r#""base_color" type="color3" value="1.5, 0.5, 0.5""#),
                 "expected each in [0, 1]",
             ),
-            (Meaningless, input(r#""specular_IOR" type="float" value="0""#), "coat.eta = 0 is out of range"),
+            (Meaningless, input(r#""specular_IOR" type="float" value="0""#), "a number in [0.001, 1000]"),
             (
                 Meaningless,
                 input(r#""base_color" type="color3" value="0.9999, 0.5, 0.5""#),
@@ -860,7 +804,7 @@ fn materialx_that_has_no_meaning_here_is_refused_where_it_stands() {
             (ForeignSyntax, "0.5, 0.5", "three numbers"),
             (ForeignSyntax, "very", "expected a number"),
             (ForeignSyntax, "yes", "true or false"),
-            (Meaningless, input(r#""specular_IOR" type="float" value="inf""#), "not negative"),
+            (Meaningless, input(r#""specular_IOR" type="float" value="inf""#), "in [0.001, 1000]"),
             (ForeignSyntax, input(r#""base" type="float""#), "no value"),
             (Meaningless, input(r#""base" type="float" value="0.6""#), "given twice"),
             (NoEqual, "<UsdPreviewSurface", "is not read"),

@@ -117,6 +117,8 @@ enum Kind {
 
 /// Numbers ≥ 0.
 const POSITIVE: Kind = Kind::Number([0.0, f64::MAX]);
+/// Indices of refraction.
+const INDEX: Kind = Kind::Number([1e-3, 1e3]);
 /// Finite numbers.
 const FINITE: Kind = Kind::Number([f64::MIN, f64::MAX]);
 
@@ -272,8 +274,9 @@ impl Draft {
     }
 
     /// Is there nearly all (`true`) or nearly none (`false`) of something that cannot be there in part?
-    /// Otherwise the material is refused.
-    fn share(&mut self, role: &str, weight: f64, what: &str) -> Option<bool> {
+    /// Otherwise the material is refused. Where there is nearly none, the inputs that describe it, `others`, are
+    /// lost with it.
+    fn share(&mut self, role: &str, others: &[&str], weight: f64, what: &str) -> Option<bool> {
         let is_there = weight > 0.5;
         let lost = if is_there { 1.0 - weight } else { weight };
         if lost > SHARE {
@@ -283,23 +286,30 @@ impl Draft {
         }
         if lost > 0.0 {
             let whole = if is_there { 1 } else { 0 };
-            self.dropped(role, format!("taken as {whole}: wrong by up to {} of the light", show(lost)));
+            let text = format!("taken as {whole}: wrong by up to {} of the light", show(lost));
+            if !is_there {
+                self.note(others, Fate::Dropped, text.clone());
+            }
+            self.dropped(role, text);
         } else {
             self.exact(role, format!("{} {what}: it chooses the model", if is_there { "all" } else { "no" }));
         }
         Some(is_there)
     }
 
-    /// Refuses a share of something that no material here has; `true` if there is no more than can be
-    /// dropped.
-    fn lacks(&mut self, role: &str, weight: f64, what: &str) -> bool {
+    /// Refuses a share of something that no material here has, or drops it with the inputs that describe it.
+    fn lacks(&mut self, roles: &[&str], weight: f64, what: &str) {
         if weight > SHARE {
             let help = "set it to 0 where the look can do without";
-            self.refuse(Code::NoEqual, role, format!("{} of {what} has no equal here", show(weight)), help);
+            self.refuse(
+                Code::NoEqual,
+                roles[0],
+                format!("{} of {what} has no equal here", show(weight)),
+                help,
+            );
         } else if weight > 0.0 {
-            self.dropped(role, format!("{what} is lost: up to {} of the light", show(weight)));
+            self.note(roles, Fate::Dropped, format!("{what} is lost: up to {} of the light", show(weight)));
         }
-        weight <= SHARE
     }
 
     /// The material, or why there is none.

@@ -273,9 +273,9 @@ fn model(d: &mut Draft, program: Program) -> Option<Model> {
     d.exact("illum", "it chooses the model");
     let dissolve = dissolve(d)?;
     let metalness = d.given("Pm").map_or(0.0, |pm| pm[0]);
-    let metal = d.share("Pm", metalness, "metal");
-    let coat = d.share("Pc", d.given("Pc").map_or(0.0, |pc| pc[0]), "coat");
-    d.lacks("Ps", d.given("Ps").map_or(0.0, |ps| ps[0]), "sheen");
+    let metal = d.share("Pm", &[], metalness, "metal");
+    let coat = d.share("Pc", &["Pcr"], d.given("Pc").map_or(0.0, |pc| pc[0]), "coat");
+    d.lacks(&["Ps"], d.given("Ps").map_or(0.0, |ps| ps[0]), "sheen");
     let (metal, coat) = (metal?, coat?);
     let kd = d.given("Kd");
     let diffuse = kd.map_or(0.0, largest) * dissolve;
@@ -292,11 +292,8 @@ fn model(d: &mut Draft, program: Program) -> Option<Model> {
         d.refuse(Code::NoEqual, "Pc", "a coat over glass has no equal here", "set Pc to 0");
     }
     if !(glass || sheet) {
-        d.lacks(
-            if d.given("d").is_some() { "d" } else { "Tr" },
-            1.0 - dissolve,
-            "transparency without refraction",
-        );
+        let roles = if d.given("d").is_some() { ["d", "Tr"] } else { ["Tr", "d"] };
+        d.lacks(&roles, 1.0 - dissolve, "transparency without refraction");
     }
     if !d.findings.is_empty() {
         return None;
@@ -444,25 +441,26 @@ fn conductor(d: &mut Draft, program: Program, f0: [f64; 3], role: &str, coat: bo
     colour_note(d, role, fate, text);
     d.exact("Ni", "η and k follow from the colour of a metal");
     d.dropped("Ks", "a metal's highlight has the colour of the metal");
-    d.exact("Kd", "black");
-    if role == "Ks" {
+    d.exact("Kd", "no diffuse reflection");
+    let alpha = if role == "Ks" {
         d.set("alpha", 0.0, "Ks");
-    } else if let Some(alpha) = alpha(d, program, ["alpha", "distribution"]) {
-        let aniso = d.given("aniso").map_or(0.0, |aniso| aniso[0]);
-        if aniso > 0.0 && alpha > 0.0 {
-            // Burley, "Physically based shading at Disney", 2012: αx / αy = 1 / (1 − 0.9 aniso).
-            let ratio = 1.0 - 0.9 * aniso;
-            d.set("anisotropy", ratio, "aniso");
-            let text =
-                format!("αy / αx = 1 − 0.9 aniso = {}, Burley's rule; the format has none", show(ratio));
-            d.converted("aniso", text);
-            if let Some([turns, ..]) = d.given("anisor") {
-                d.set("rotation_deg", 360.0 * turns, "anisor");
-                d.converted(
-                    "anisor",
-                    format!("{}°; the format has no unit, this is turns", show(360.0 * turns)),
-                );
-            }
+        Some(0.0)
+    } else {
+        alpha(d, program, ["alpha", "distribution"])
+    };
+    let aniso = d.given("aniso").map_or(0.0, |aniso| aniso[0]);
+    if aniso > 0.0 && alpha != Some(0.0) {
+        // Burley, "Physically based shading at Disney", 2012: αx / αy = 1 / (1 − 0.9 aniso).
+        let ratio = 1.0 - 0.9 * aniso;
+        d.set("anisotropy", ratio, "aniso");
+        d.converted(
+            "aniso",
+            format!("αy / αx = 1 − 0.9 aniso = {}, Burley's rule; the format has none", show(ratio)),
+        );
+        if let Some([turns, ..]) = d.given("anisor") {
+            d.set("rotation_deg", 360.0 * turns, "anisor");
+            let degrees = show(360.0 * turns);
+            d.converted("anisor", format!("{degrees}°; the format has no unit, this is turns"));
         }
     }
     if coat {

@@ -7,7 +7,7 @@
 //! here `scattering` = all, where a model has it.
 
 use super::{
-    CLEAR, Draft, FINITE, Fate, Imported, Key, Kind, POSITIVE, absorbance, below, f0_of, gulbrandsen,
+    CLEAR, Draft, FINITE, Fate, INDEX, Imported, Key, Kind, POSITIVE, absorbance, below, f0_of, gulbrandsen,
     largest, metal_like_f82, product, returned_inside, show, show_colour, smallest, weighted_index,
 };
 use crate::material::Model;
@@ -83,7 +83,7 @@ const STANDARD: &[Key] = &[
     key("specular", "specular_weight", Kind::Share, 1.0),
     key("specular_color", "specular_color", Kind::Colour, 1.0),
     key("specular_roughness", "roughness", Kind::Share, 0.2),
-    key("specular_IOR", "ior", POSITIVE, 1.5),
+    key("specular_IOR", "ior", INDEX, 1.5),
     key("specular_anisotropy", "anisotropy", Kind::Share, 0.0),
     key("specular_rotation", "rotation", FINITE, 0.0),
     key("transmission", "transmission", Kind::Share, 0.0),
@@ -106,12 +106,12 @@ const STANDARD: &[Key] = &[
     key("coat_roughness", "coat_roughness", Kind::Share, 0.1),
     key("coat_anisotropy", "coat_anisotropy", Kind::Share, 0.0),
     key("coat_rotation", "coat_rotation", FINITE, 0.0),
-    key("coat_IOR", "coat_ior", POSITIVE, 1.5),
+    key("coat_IOR", "coat_ior", INDEX, 1.5),
     vector("coat_normal"),
     key("coat_affect_color", "coat_affect_color", Kind::Share, 0.0),
     key("coat_affect_roughness", "coat_affect_roughness", Kind::Share, 0.0),
     key("thin_film_thickness", "film", POSITIVE, 0.0),
-    key("thin_film_IOR", "film_ior", POSITIVE, 1.5),
+    key("thin_film_IOR", "film_ior", INDEX, 1.5),
     key("emission", "emission", POSITIVE, 0.0),
     key("emission_color", "emission_color", Kind::Light, 1.0),
     key("opacity", "opacity", Kind::Colour, 1.0),
@@ -128,7 +128,7 @@ const OPEN_PBR: &[Key] = &[
     key("specular_weight", "specular_weight", POSITIVE, 1.0),
     key("specular_color", "specular_color", Kind::Colour, 1.0),
     key("specular_roughness", "roughness", Kind::Share, 0.3),
-    key("specular_ior", "ior", POSITIVE, 1.5),
+    key("specular_ior", "ior", INDEX, 1.5),
     key("specular_roughness_anisotropy", "anisotropy", Kind::Share, 0.0),
     key("transmission_weight", "transmission", Kind::Share, 0.0),
     key("transmission_color", "transmission_color", Kind::Colour, 1.0),
@@ -154,11 +154,11 @@ const OPEN_PBR: &[Key] = &[
     key("coat_color", "coat_color", Kind::Colour, 1.0),
     key("coat_roughness", "coat_roughness", Kind::Share, 0.0),
     key("coat_roughness_anisotropy", "coat_anisotropy", Kind::Share, 0.0),
-    key("coat_ior", "coat_ior", POSITIVE, 1.6),
+    key("coat_ior", "coat_ior", INDEX, 1.6),
     key("coat_darkening", "coat_darkening", Kind::Share, 1.0),
     key("thin_film_weight", "film", Kind::Share, 0.0),
     key("thin_film_thickness", "film_thickness", POSITIVE, 0.5),
-    key("thin_film_ior", "film_ior", POSITIVE, 1.4),
+    key("thin_film_ior", "film_ior", INDEX, 1.4),
     key("emission_luminance", "emission", POSITIVE, 0.0),
     key("emission_color", "emission_color", Kind::Light, 1.0),
     key("geometry_opacity", "opacity", Kind::Share, 1.0),
@@ -180,12 +180,12 @@ const GLTF: &[Key] = &[
     key("transmission", "transmission", Kind::Share, 0.0),
     key("specular", "specular_weight", Kind::Share, 1.0),
     key("specular_color", "specular_color", Kind::Light, 1.0),
-    key("ior", "ior", POSITIVE, 1.5),
+    key("ior", "ior", INDEX, 1.5),
     key("alpha", "opacity", Kind::Share, 1.0),
     key("alpha_mode", "alpha_mode", Kind::Number([0.0, 2.0]), 0.0),
     key("alpha_cutoff", "alpha_cutoff", Kind::Share, 0.5),
     key("iridescence", "film", Kind::Share, 0.0),
-    key("iridescence_ior", "film_ior", POSITIVE, 1.3),
+    key("iridescence_ior", "film_ior", INDEX, 1.3),
     key("iridescence_thickness", "film_thickness", POSITIVE, 100.0),
     key("sheen_color", "sheen_color", Kind::Colour, 0.0),
     key("sheen_roughness", "sheen_roughness", Kind::Share, 0.0),
@@ -204,6 +204,29 @@ const GLTF: &[Key] = &[
     key("dispersion", "dispersion", POSITIVE, 0.0),
 ];
 
+/// What describes a coat.
+const COAT: [&str; 8] = [
+    "coat_color",
+    "coat_roughness",
+    "coat_anisotropy",
+    "coat_rotation",
+    "coat_ior",
+    "coat_affect_color",
+    "coat_affect_roughness",
+    "coat_darkening",
+];
+
+/// What describes light that passes.
+const PASSES: [&str; 7] = [
+    "transmission_color",
+    "transmission_depth",
+    "scatter",
+    "scatter_anisotropy",
+    "dispersion",
+    "dispersion_scale",
+    "extra_roughness",
+];
+
 /// The inputs of a shader as a description.
 pub(super) fn translate(shader: Shader, mut draft: Draft) -> Result<Imported, Vec<Finding>> {
     // What could not be read is missing below.
@@ -220,15 +243,15 @@ fn model(shader: Shader, d: &mut Draft) -> Option<Model> {
         Shader::Gltf if d.number("alpha_mode") == 0.0 => 1.0,
         Shader::Gltf => d.number("opacity"),
     };
-    d.lacks("opacity", 1.0 - opacity, "transparency without refraction");
+    d.lacks(&["opacity", "alpha_cutoff"], 1.0 - opacity, "transparency without refraction");
     let film = match shader {
         Shader::Standard => f64::from(d.number("film") > 0.0),
         _ if d.number("film_thickness") == 0.0 => 0.0,
         _ => d.number("film"),
     };
-    d.lacks("film", film, "a film of interference colours");
-    let metal = d.share("metalness", d.number("metalness"), "metal");
-    let coat = d.share("coat", d.number("coat"), "coat");
+    d.lacks(&["film", "film_thickness", "film_ior"], film, "a film of interference colours");
+    let metal = d.share("metalness", &[], d.number("metalness"), "metal");
+    let coat = d.share("coat", &COAT, d.number("coat"), "coat");
     let (metal, coat) = (metal?, coat?);
     let sheen = match shader {
         // Its layer lies below the metal's.
@@ -237,11 +260,11 @@ fn model(shader: Shader, d: &mut Draft) -> Option<Model> {
         _ => d.number("sheen") * largest(d.colour("sheen_color")),
     };
     let role = if shader == Shader::Gltf { "sheen_color" } else { "sheen" };
-    d.lacks(role, sheen, "sheen");
+    d.lacks(&[role, "sheen_color", "sheen_roughness"], sheen, "sheen");
     if metal {
         return conductor(shader, d, coat);
     }
-    let transmits = d.share("transmission", d.number("transmission"), "transmission")?;
+    let transmits = d.share("transmission", &PASSES, d.number("transmission"), "transmission")?;
     if transmits && coat {
         let help = "set the weight of the coat to 0: glass reflects by itself";
         d.refuse(Code::NoEqual, "coat", "a coat over a transmitting body has no equal here", help);
@@ -510,6 +533,7 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
         Shader::Gltf => d.given("transmission_depth").is_some(),
         _ => depth > 0.0,
     };
+    d.exact("thickness", "above 0: a body, not a sheet");
     let mut boundary = if shader == Shader::Gltf { passes } else { [1.0; 3] };
     if absorbs {
         if depth == 0.0 {
@@ -554,7 +578,7 @@ fn dispersion(shader: Shader, d: &mut Draft, eta: f64) {
 }
 
 fn opaque(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
-    let diffuse = diffuse_colour(shader, d, coat)?;
+    let diffuse = diffuse_colour(shader, d, coat);
     let tint = d.colour("specular_color");
     let weight = d.number("specular_weight") * Rgb(tint).luminance();
     let ior = d.number("ior");
@@ -630,11 +654,12 @@ fn opaque(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
 }
 
 /// Diffuse and subsurface reflectance together.
-fn diffuse_colour(shader: Shader, d: &mut Draft, coat: bool) -> Option<[f64; 3]> {
+fn diffuse_colour(shader: Shader, d: &mut Draft, coat: bool) -> [f64; 3] {
     let share = d.number("subsurface");
     let is_thin = d.number("thin_walled") != 0.0;
-    if is_thin && !d.lacks("subsurface", share, "light through a thin wall") {
-        return None;
+    if is_thin {
+        let roles = ["subsurface", "subsurface_color", "subsurface_anisotropy"];
+        d.lacks(&roles, share, "light through a thin wall");
     }
     let share = if is_thin { 0.0 } else { share };
     let exponent = match shader {
@@ -654,7 +679,7 @@ fn diffuse_colour(shader: Shader, d: &mut Draft, coat: bool) -> Option<[f64; 3]>
         d.note(&["subsurface_radius", "subsurface_scale", "subsurface_anisotropy"], Fate::Dropped, text);
     }
     let base = product(base, [d.number("base_weight") * (1.0 - share); 3]);
-    Some(core::array::from_fn(|c| base[c] + share * inner[c]))
+    core::array::from_fn(|c| base[c] + share * inner[c])
 }
 
 /// Largest r = B / A of Fujii's model that an angle σ ≤ π/2 gives.
