@@ -439,31 +439,55 @@ fn gltf_pbr_becomes_what_it_means() {
     assert_eq!((colour(&white, "eta"), colour(&white, "k")), ([0.0; 3], [1.0; 3]));
 }
 
+/// The defaults of the definitions in the MaterialX library. Vectors have none that a file could repeat.
 #[test]
 fn an_input_at_its_default_loses_nothing() {
     for (element, inputs) in [
         (
             "standard_surface",
-            "specular=1;specular_color=1,1,1;specular_IOR=1.5;specular_anisotropy=0;\
-             transmission=0;subsurface=0;sheen=0;coat=0;coat_affect_color=0;\
-             thin_film_thickness=0;emission=0;opacity=1,1,1;thin_walled=false;metalness=0",
+            "base=1.0;base_color=0.8,0.8,0.8;diffuse_roughness=0;metalness=0;specular=1;\
+             specular_color=1,1,1;specular_roughness=0.2;specular_IOR=1.5;specular_anisotropy=0;\
+             specular_rotation=0;transmission=0;transmission_color=1,1,1;transmission_depth=0;\
+             transmission_scatter=0,0,0;transmission_scatter_anisotropy=0;\
+             transmission_dispersion=0;transmission_extra_roughness=0;subsurface=0;\
+             subsurface_color=1,1,1;subsurface_radius=1,1,1;subsurface_scale=1;\
+             subsurface_anisotropy=0;sheen=0;sheen_color=1,1,1;sheen_roughness=0.3;coat=0;\
+             coat_color=1,1,1;coat_roughness=0.1;coat_anisotropy=0.0;coat_rotation=0.0;\
+             coat_IOR=1.5;coat_affect_color=0;coat_affect_roughness=0;thin_film_thickness=0;\
+             thin_film_IOR=1.5;emission=0;emission_color=1,1,1;opacity=1,1,1;thin_walled=false",
         ),
         (
             "open_pbr_surface",
-            "specular_weight=1;specular_ior=1.5;transmission_weight=0;fuzz_weight=0;\
-             coat_weight=0;coat_ior=1.6;thin_film_weight=0;thin_film_thickness=0.5;\
-             emission_luminance=0;geometry_opacity=1;subsurface_radius_scale=1,0.5,0.25",
+            "base_weight=1.0;base_color=0.8,0.8,0.8;base_diffuse_roughness=0.0;base_metalness=0.0;\
+             specular_weight=1.0;specular_color=1,1,1;specular_roughness=0.3;specular_ior=1.5;\
+             specular_roughness_anisotropy=0.0;transmission_weight=0.0;transmission_color=1,1,1;\
+             transmission_depth=0.0;transmission_scatter=0,0,0;\
+             transmission_scatter_anisotropy=0.0;transmission_dispersion_scale=0.0;\
+             transmission_dispersion_abbe_number=20.0;subsurface_weight=0;\
+             subsurface_color=0.8,0.8,0.8;subsurface_radius=1.0;\
+             subsurface_radius_scale=1.0,0.5,0.25;subsurface_scatter_anisotropy=0.0;\
+             fuzz_weight=0.0;fuzz_color=1,1,1;fuzz_roughness=0.5;coat_weight=0.0;coat_color=1,1,1;\
+             coat_roughness=0.0;coat_roughness_anisotropy=0.0;coat_ior=1.6;coat_darkening=1.0;\
+             thin_film_weight=0;thin_film_thickness=0.5;thin_film_ior=1.4;emission_luminance=0.0;\
+             emission_color=1,1,1;geometry_opacity=1;geometry_thin_walled=false",
         ),
         (
             "gltf_pbr",
-            "metallic=1;roughness=1;occlusion=1;transmission=0;alpha=1;alpha_mode=0;\
-             iridescence=0;clearcoat=0;sheen_color=0,0,0;emissive=0,0,0;emissive_strength=1;\
+            "base_color=1,1,1;metallic=1;roughness=1;occlusion=1;transmission=0;specular=1;\
+             specular_color=1,1,1;ior=1.5;alpha=1;alpha_mode=0;alpha_cutoff=0.5;iridescence=0;\
+             iridescence_ior=1.3;iridescence_thickness=100;sheen_color=0,0,0;sheen_roughness=0;\
+             clearcoat=0;clearcoat_roughness=0;emissive=0,0,0;emissive_strength=1;thickness=0;\
              attenuation_color=1,1,1",
         ),
     ] {
         let material = only(shader(element, inputs));
         assert_eq!(material.losses.len(), inputs.split(';').count(), "{element}");
-        assert!(material.losses.iter().all(|loss| loss.fate == Fate::Exact), "{:?}", material.losses);
+        for loss in &material.losses {
+            // The diffuse colour is raised to that below the interface, whatever it is.
+            let is_colour = loss.key.starts_with("base") && loss.text.contains("below the interface");
+            assert!(loss.fate == Fate::Exact || is_colour, "{element}: {loss:?}");
+            assert_ne!(loss.text, "without effect on this material", "{element}: {loss:?}");
+        }
     }
 }
 
@@ -843,6 +867,26 @@ fn materialx_that_has_no_meaning_here_is_refused_where_it_stands() {
         ),
     ] {
         assert_findings(text, &materialx(text).1, &[(code, place, part)]);
+    }
+}
+
+/// A tenth of the light is the most that is dropped with a line in the table.
+#[test]
+fn what_would_be_wrong_by_more_than_a_tenth_is_refused() {
+    for (inputs, lost) in [
+        ("coat=1;specular_IOR=1.9", "up to 0.09631 of the light"),
+        ("coat=1;specular_IOR=2", "0.1111 of a highlight below the coat has no equal"),
+        ("metalness=0.9", "taken as 1: wrong by up to 0.1 of the light"),
+        ("metalness=0.89", "0.89 of metal beside the rest has no equal"),
+        ("sheen=0.5;sheen_color=0.2,0.1,0.1", "sheen is lost: up to 0.1 of the light"),
+        ("sheen=0.5;sheen_color=0.3,0.1,0.1", "0.15 of sheen has no equal"),
+        ("thin_walled=true;subsurface=0.2", "0.2 of light through a thin wall has no equal"),
+    ] {
+        let (materials, findings) = shader("standard_surface", inputs);
+        let losses = materials.iter().flat_map(|material| &material.losses).map(|loss| &loss.text);
+        let told: Vec<_> = losses.chain(findings.iter().map(|finding| &finding.text)).collect();
+        assert!(told.iter().any(|text| text.contains(lost)), "{inputs}: {told:?}");
+        assert_eq!(materials.is_empty(), lost.contains("has no equal"), "{inputs}");
     }
 }
 

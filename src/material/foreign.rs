@@ -353,7 +353,10 @@ fn show(number: f64) -> String {
     if number == 0.0 || !number.is_finite() {
         return number.to_string();
     }
-    let digits = (3.0 - number.abs().log10().floor()).clamp(0.0, 12.0);
+    if !(1e-6..1e6).contains(&number.abs()) {
+        return format!("{number:.3e}");
+    }
+    let digits = (3.0 - number.abs().log10().floor()).max(0.0);
     let text = format!("{number:.*}", digits as usize);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
@@ -452,6 +455,11 @@ struct MetalFit {
 }
 
 impl MetalFit {
+    /// White metals are met but for rounding.
+    fn fate(&self) -> Fate {
+        if self.error[0] < 1e-12 { Fate::Exact } else { Fate::Converted }
+    }
+
     fn error_in_words(&self) -> String {
         let [most, mean] = self.error.map(show);
         format!("off by up to {most}, {mean} in the mean")

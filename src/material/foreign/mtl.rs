@@ -437,8 +437,7 @@ fn conductor(d: &mut Draft, program: Program, f0: [f64; 3], role: &str, coat: bo
     d.set("eta", fit.eta.map(|eta| eta * scale), role);
     d.set("k", fit.k.map(|k| k * scale), role);
     let text = format!("η and k of Schlick's formula at 0° and 82°; elsewhere {}", fit.error_in_words());
-    let fate = if fit.error[0] > 0.0 { Fate::Converted } else { Fate::Exact };
-    colour_note(d, role, fate, text);
+    colour_note(d, role, fit.fate(), text);
     d.exact("Ni", "η and k follow from the colour of a metal");
     d.dropped("Ks", "a metal's highlight has the colour of the metal");
     d.exact("Kd", "no diffuse reflection");
@@ -489,8 +488,7 @@ fn opaque(d: &mut Draft, program: Program, kd: [f64; 3], has_highlight: bool, co
     let mut eta = given.unwrap_or(USUAL_ETA);
     if coat {
         let f0 = f0_of(given.filter(|eta| *eta > 1.0).unwrap_or(USUAL_ETA));
-        let text = format!("the highlight below the coat is lost: {} of the light straight on", show(f0));
-        d.note(&["Ks", "Ns", "Pr", "Ni", "aniso", "anisor"], Fate::Dropped, text);
+        d.lacks(&["Ni", "Ks", "Ns", "Pr", "aniso", "anisor"], f0, "a highlight below the coat");
         eta = USUAL_ETA;
         put_coat(d);
     } else {

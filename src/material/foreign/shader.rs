@@ -410,9 +410,9 @@ fn conductor(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
             (eta, k) = (fit.eta, fit.k);
             let curve = if shader == Shader::OpenPbr { "the F82 formula" } else { "Schlick's formula" };
             let text = format!("η and k of {curve} at 0° and 82°; elsewhere {}", fit.error_in_words());
-            d.note(&["base_weight", "base_color"], Fate::Converted, text.clone());
+            d.note(&["base_weight", "base_color"], fit.fate(), text.clone());
             if shader == Shader::OpenPbr {
-                d.note(&["specular_weight", "specular_color"], Fate::Converted, text);
+                d.note(&["specular_weight", "specular_color"], fit.fate(), text);
             }
         }
     }
@@ -502,11 +502,8 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
         // glTF's sheet is what has no thickness, which the file need not say.
         d.rather(if shader == Shader::Gltf { "transmission" } else { "thin_walled" }, Fate::Converted, text);
         d.exact(passes_role, "multiplies what passes");
-        if reflection != [1.0; 3] {
-            let text =
-                format!("a sheet's reflection has no tint here; the file has {}", show_colour(reflection));
-            d.note(&["specular_weight", "specular_color"], Fate::Dropped, text);
-        }
+        let tinted = (1.0 - smallest(reflection)) * 2.0 * r / (1.0 + r);
+        d.lacks(&["specular_color", "specular_weight"], tinted, "a tint of what a sheet reflects");
         return Some(Model::ThinGlass);
     }
     d.set("alpha", alpha, "roughness");
@@ -598,14 +595,9 @@ fn opaque(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
         // OpenPBR's base lies in the coat, the others' in air.
         let relative = if shader == Shader::OpenPbr { ior / eta } else { ior };
         let f0 = weight * f0_of(relative);
-        let (fate, text) = if f0 == 0.0 {
-            (Fate::Exact, "no highlight below the coat".to_owned())
-        } else {
-            let f0 = show(f0);
-            (Fate::Dropped, format!("the highlight below the coat is lost: {f0} of the light straight on"))
-        };
-        d.note(&["specular_weight", "specular_color", "ior"], fate, text.clone());
-        d.note(&["roughness", "anisotropy", "rotation", "coat_affect_roughness"], fate, text);
+        let highlight = ["ior", "specular_weight", "specular_color", "roughness", "anisotropy", "rotation"];
+        d.lacks(&highlight, f0, "a highlight below the coat");
+        d.note(&highlight, Fate::Exact, "no highlight below the coat");
         let returned = returned_inside(eta);
         let darkening = d.number("coat_darkening");
         d.exact("coat_darkening", "light that the coat returns, in the colour of the base");
