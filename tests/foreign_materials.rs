@@ -991,3 +991,71 @@ fn a_damaged_file_is_read_or_refused() {
         survive(name, &String::from_utf8_lossy(&bytes));
     }
 }
+
+/// Keys with numbers from the ends of what floats hold: nothing panics, and nothing that is imported has lost its
+/// value on the way.
+#[test]
+fn numbers_from_the_ends_of_their_ranges_are_read_or_refused() {
+    const NUMBERS: [&str; 16] = [
+        "0", "1", "0.5", "0.05", "0.95", "1.5", "1e-300", "5e-324", "1e300", "1e-9", "0.999999", "1e3", "-1",
+        "-0", "nan", "inf",
+    ];
+    let seed = bxdf_tests::run_seed();
+    println!("BXDF_TESTS_SEED={seed}");
+    let mut random = Pcg64::new(seed.into(), 1);
+    let keys = |name: &str| {
+        let text = text(name);
+        let inputs = text.split("<input name=\"").skip(1);
+        let input = |input: &str| (input.split('"').next().unwrap().to_owned(), input.contains("color3"));
+        let mut keys: Vec<_> = inputs.map(input).filter(|(name, _)| !name.contains("shader")).collect();
+        (keys.sort(), keys.dedup());
+        keys
+    };
+    let shaders = ["standard_surface", "open_pbr_surface", "gltf_pbr"];
+    let keys = shaders.map(|element| keys(&format!("{element}.mtlx")));
+    let mtl_keys =
+        "Ka Kd Ks Ke Tf Ns Ni d Tr illum Pr Pm Ps Pc Pcr aniso anisor".split(' ').collect::<Vec<_>>();
+    let mut imported = 0;
+    for i in 0..6000 {
+        let mut text = String::new();
+        let mut number = || NUMBERS[random.random_range(0..NUMBERS.len())];
+        // A few of the keys; a repeated one is refused.
+        let numbers: [[&str; 3]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
+        let count = random.random_range(1..=numbers.len());
+        let (materials, findings) = if i % 4 == 3 {
+            for numbers in &numbers[..count] {
+                let key = mtl_keys[random.random_range(0..mtl_keys.len())];
+                writeln!(text, "{key} {}", if key == "illum" { "7" } else { numbers[0] }).unwrap();
+            }
+            mtl(&format!("newmtl a\n{text}"))
+        } else {
+            for numbers in &numbers[..count] {
+                let (key, is_colour) = &keys[i % 4][random.random_range(0..keys[i % 4].len())];
+                let value = match key.as_str() {
+                    "thin_walled" => "true".to_owned(),
+                    _ if *is_colour => numbers.join(","),
+                    _ => numbers[0].to_owned(),
+                };
+                write!(text, "{key}={value};").unwrap();
+            }
+            shader(shaders[i % 4], &text)
+        };
+        assert!(!materials.is_empty() || !findings.is_empty(), "{text}");
+        imported += materials.len();
+        for material in materials {
+            for (path, value) in material.description.given() {
+                let is_finite = match value {
+                    Value::Number(number) => number.is_finite(),
+                    Value::Colour(colour) => colour.iter().all(|c| c.is_finite()),
+                    Value::Text(_) => true,
+                };
+                assert!(is_finite, "{path} = {value} of {text}");
+            }
+            for loss in material.losses {
+                assert!(!loss.text.contains("NaN"), "{loss:?} of {text}");
+            }
+        }
+    }
+    println!("{imported} of 6000 imported");
+    assert!(imported > 600, "{imported} of 6000");
+}
