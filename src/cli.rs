@@ -5,6 +5,7 @@
 
 mod check;
 mod explain;
+mod import;
 mod ior;
 mod list;
 mod merge;
@@ -53,6 +54,8 @@ enum Verb {
     Verify(verify::Options),
     /// Reads material files, judges what is unusual in them, and runs the quick suites on every material
     Check(check::Options),
+    /// Materials of other programs as a material file: .mtl, MaterialX
+    Import(import::Options),
     /// What a message code means: the physics, an example, the way out
     Explain(explain::Options),
     /// The JSON Schema of material files, for editors
@@ -138,6 +141,7 @@ gonio verifies materials and BxDFs.
   gonio verify rough_conductor            one family;  gonio list  names them all
   gonio list ruby > mine.toml             a preset as a material file to begin from
   gonio check FILE.toml                   what is wrong with material files, and what is unusual
+  gonio import car.mtl -o car.toml        materials of other programs, and what is lost; .mtlx too
   gonio schema                            JSON Schema of material files, for editors
   gonio explain G104                      what a message means, and the way out
   gonio list metal                        the parameters of a material;  gonio list  names them, and presets
@@ -183,6 +187,7 @@ fn run_verb(verb: Verb, general: &General) -> Result<ExitCode, Failure> {
         Verb::List(options) => list::run(&options),
         Verb::Verify(options) => verify::run(&options, general),
         Verb::Check(options) => check::run(&options, general),
+        Verb::Import(options) => import::run(&options),
         Verb::Explain(options) => explain::run(&options),
         Verb::Schema => {
             print(&format!("{:#}\n", gonio::material::file::schema()))?;

@@ -13,6 +13,7 @@ mod coat;
 mod description;
 mod fabric;
 pub mod file;
+pub mod foreign;
 mod glass;
 mod lint;
 mod matte;

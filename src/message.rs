@@ -100,6 +100,10 @@ codes! {
     "G407" PageBlocks Error "no n, or n or k from two blocks"
     "G408" PageLoss Warning "left out or passed over"
     "G409" Exists Error "a different file is there already"
+    "G411" ForeignSyntax Error "not the syntax of the format"
+    "G412" NotConstant Error "an input that no constant is"
+    "G413" Meaningless Error "a value that means nothing here"
+    "G414" NoEqual Error "a material without an equal"
 }
 
 impl Code {

@@ -317,6 +317,34 @@ fn a_watched_file_is_checked_again_when_it_is_saved() {
     watching.wait().unwrap();
 }
 
+#[test]
+fn what_is_imported_can_be_checked_and_nothing_is_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/foreign_materials");
+    let import = |case: &str, options: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_gonio"));
+        command.current_dir(folder.path()).arg("import").arg(cases.join(case)).args(options).output().unwrap()
+    };
+    let output = import("blender.mtl", &["-o", "a.toml"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let losses = String::from_utf8(output.stdout).unwrap();
+    assert!(losses.contains(": plastic\n") && losses.contains("  converted  "), "{losses}");
+    let file = folder.path().join("a.toml");
+    let said = said(&file);
+    assert!(!said.contains(" error "), "{said}");
+    // Again it is the same; another may not replace it unasked.
+    assert_eq!(import("blender.mtl", &["-o", "a.toml"]).status.code(), Some(0));
+    let before = fs::read(&file).unwrap();
+    let output = import("classic.mtl", &["-o", "a.toml"]);
+    assert_eq!((output.status.code(), fs::read(&file).unwrap() == before), (Some(2), true), "{output:?}");
+    assert!(String::from_utf8(output.stderr).unwrap().contains("--overwrite"));
+    import("classic.mtl", &["-o", "a.toml", "--overwrite"]);
+    assert!(fs::read(&file).unwrap() != before);
+    // Without a file to write, the materials are printed.
+    let printed = String::from_utf8(import("blender.mtl", &[]).stdout).unwrap();
+    assert_eq!(printed.as_bytes(), before);
+}
+
 /// The block of a language that comes next, and what follows it.
 fn block<'a>(text: &'a str, language: &str) -> (&'a str, &'a str) {
     let (_, rest) = text.split_once(&format!("```{language}\n")).unwrap();
