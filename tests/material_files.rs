@@ -325,15 +325,17 @@ fn what_is_imported_can_be_checked_and_nothing_is_overwritten() {
         let mut command = Command::new(env!("CARGO_BIN_EXE_gonio"));
         command.current_dir(folder.path()).arg("import").arg(cases.join(case)).args(options).output().unwrap()
     };
+    // One of its three materials has a texture, which is told.
     let output = import("blender.mtl", &["-o", "a.toml"]);
-    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    assert!(String::from_utf8(output.stderr).unwrap().starts_with("error[G412]: `map_Kd` of `Wood`"));
     let losses = String::from_utf8(output.stdout).unwrap();
     assert!(losses.contains(": plastic\n") && losses.contains("  converted  "), "{losses}");
     let file = folder.path().join("a.toml");
     let said = said(&file);
     assert!(!said.contains(" error "), "{said}");
     // Again it is the same; another may not replace it unasked.
-    assert_eq!(import("blender.mtl", &["-o", "a.toml"]).status.code(), Some(0));
+    assert_eq!(import("blender.mtl", &["-o", "a.toml"]).status.code(), Some(1));
     let before = fs::read(&file).unwrap();
     let output = import("classic.mtl", &["-o", "a.toml"]);
     assert_eq!((output.status.code(), fs::read(&file).unwrap() == before), (Some(2), true), "{output:?}");

@@ -16,6 +16,7 @@ use gonio::record::{CheckRecord, CheckedFile, CheckedMaterial, RunRecord};
 use gonio::specimen::{BxdfSpecimen, verify};
 use rayon::prelude::*;
 
+use super::output::counted;
 use super::progress::Progress;
 use super::snippet::{self, Lines};
 use super::{Failure, General, print};
@@ -238,11 +239,6 @@ fn findings_of(file: &Checked) -> String {
         text += &format!("{more} more in {}; --format concise shows all\n\n", file.path);
     }
     text
-}
-
-/// A count with its noun.
-fn counted(count: usize, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
 fn full(files: &[Checked], record: &CheckRecord) -> Result<String, std::fmt::Error> {

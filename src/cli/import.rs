@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use gonio::material::file::{Document, Entry, Syntax, text_of};
 use gonio::material::foreign::{self, Fate, Imported};
 
-use super::output::{exists, write_new};
+use super::output::{counted, exists, write_new};
 use super::snippet::{self, Lines};
 use super::{Failure, print};
 
@@ -87,7 +87,8 @@ fn losses(imported: &[Imported], refused: usize, to: &Path) -> Result<String, st
     }
     let [exact, converted, dropped] =
         [Fate::Exact, Fate::Converted, Fate::Dropped].map(|fate| counts[fate as usize]);
-    write!(text, "{} materials into {}, {refused} findings; ", imported.len(), to.display())?;
+    let (materials, findings) = (counted(imported.len(), "material"), counted(refused, "finding"));
+    write!(text, "{materials} into {}, {findings}; ", to.display())?;
     writeln!(text, "{exact} values exact, {converted} converted, {dropped} dropped")?;
     Ok(text)
 }

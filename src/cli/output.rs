@@ -94,6 +94,11 @@ pub(crate) fn exists(path: &Path) -> Message {
     Message { code: Code::Exists, file: path.display().to_string(), line: None, text }
 }
 
+/// A count with its noun.
+pub(crate) fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
 fn full(record: &RunRecord) -> Result<String, std::fmt::Error> {
     let RunRecord { suites, specimens, verdicts, .. } = record;
     let mut text = String::new();
