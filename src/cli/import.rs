@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use gonio::material::file::{Document, Entry, Syntax, text_of};
-use gonio::material::foreign::{self, Fate, Imported};
+use gonio::material::foreign::{self, Imported};
 
 use super::output::{counted, exists, write_new};
 use super::snippet::{self, Lines};
@@ -76,6 +76,7 @@ fn name(foreign: &str) -> String {
 /// What became of every value.
 fn losses(imported: &[Imported], refused: usize, to: &Path) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
+    // In the order of the fates.
     let mut counts = [0; 3];
     for Imported { name, description, losses } in imported {
         writeln!(text, "{name}: {}", description.model().name())?;
@@ -85,8 +86,7 @@ fn losses(imported: &[Imported], refused: usize, to: &Path) -> Result<String, st
             counts[loss.fate as usize] += 1;
         }
     }
-    let [exact, converted, dropped] =
-        [Fate::Exact, Fate::Converted, Fate::Dropped].map(|fate| counts[fate as usize]);
+    let [exact, converted, dropped] = counts;
     let (materials, findings) = (counted(imported.len(), "material"), counted(refused, "finding"));
     write!(text, "{materials} into {}, {findings}; ", to.display())?;
     writeln!(text, "{exact} values exact, {converted} converted, {dropped} dropped")?;
