@@ -30,13 +30,15 @@ pub(crate) struct Pilot {
 pub(crate) struct Chart {
     /// Cosine and sine of the azimuth of the mirror direction.
     mirror: [f64; 2],
+    /// |cos θ| of `wo`: f cos changes within as much of the horizon.
+    layer: f64,
 }
 
 impl Chart {
     pub(crate) fn new(wo: Direction) -> Self {
         let sine = libm::hypot(wo[0], wo[1]);
         let mirror = if sine > 0.0 { [-wo[0] / sine, -wo[1] / sine] } else { [1.0, 0.0] };
-        Self { mirror }
+        Self { mirror, layer: wo[2].abs() }
     }
 
     pub(crate) fn point(&self, direction: Direction) -> Point {
@@ -222,7 +224,9 @@ impl Growth<'_> {
     fn cut(&self, points: &mut [Pilot], rectangle: Rectangle, depth: usize, pieces: &mut Vec<Region>) {
         let Some((axis, at)) = halving(points, rectangle, depth, self.per_piece, 0.0) else {
             let witnesses = points.iter().map(|pilot| (pilot.point.at, pilot.density)).collect();
-            pieces.extend(graded(Region::new(rectangle, witnesses), around(points)));
+            let layer = self.partition.chart.layer;
+            let parts = graded(Region::new(rectangle, witnesses), around(points));
+            pieces.extend(parts.into_iter().flat_map(|part| layered(part, layer)));
             return;
         };
         let (lower, upper) = halves(points, axis, at);
@@ -323,6 +327,24 @@ fn graded(region: Region, around: Option<Rectangle>) -> Vec<Region> {
     });
     let strips = region.cut(0, &firsts);
     strips.into_iter().flat_map(|strip| strip.cut(1, &seconds)).collect()
+}
+
+/// A region that ends at the horizon, cut into strips that grow away from it, the first as wide as `layer`.
+///
+/// Seen along the surface, lobes turn from one limit into the other where cos θi is about cos θo. A layer next to the
+/// edge that is narrower than the distance of the outermost nodes is seen by none, and no error bound tells.
+fn layered(region: Region, layer: f64) -> Vec<Region> {
+    const GROWTH: f64 = 16.0;
+    const NARROW: f64 = 0.2;
+    let ([low, _], [high, _]) = (region.rectangle.low, region.rectangle.high);
+    if high < 1.0 {
+        return vec![region];
+    }
+    let widths = std::iter::successors(Some(layer), |width| Some(width * GROWTH));
+    let widths: Vec<f64> = widths.take_while(|&width| width > 0.0 && width < NARROW * (high - low)).collect();
+    let within = widths.into_iter().rev().map(|width| high - width);
+    let cuts: Vec<f64> = std::iter::once(low).chain(within).chain([high]).collect();
+    region.cut(0, &cuts)
 }
 
 /// Where an interval is cut, ascending, both ends included: ever wider away from `core`.

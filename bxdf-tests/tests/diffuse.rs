@@ -290,3 +290,26 @@ fn tints_multiply_reflectance_and_transmittance() {
         }
     }
 }
+
+/// Seen along the surface, the lobe falls to 0 within cosines below that of `wo`: a layer that no node of a rule over a
+/// whole cell meets.
+#[test]
+fn lossless_lobes_seen_along_the_surface_return_all() {
+    for roughness in [0.01, 0.5, 1.0] {
+        let model = OrenNayarModel::EnergyPreserving;
+        let lobe = OrenNayar::<f64>::new(model, Rgb::WHITE, roughness).unwrap();
+        let specimen = BxdfSpecimen::of_lobe("white", lobe);
+        for i in 1..=24 {
+            let cos_theta = f64::powf(10.0, -f64::from(i) / 4.0);
+            let sin_theta = ((1.0 - cos_theta) * (1.0 + cos_theta)).sqrt();
+            let albedo = directional_albedo(
+                &specimen,
+                [0.6 * sin_theta, -0.8 * sin_theta, cos_theta],
+                Transport::Radiance,
+            );
+            let off = (albedo.value[0] - 1.0).abs();
+            // Kinks inside cells make the bound an estimate; suites allow another 1e-6.
+            assert!(off <= albedo.error[0] + 1e-7, "roughness {roughness}, cos θ {cos_theta:e}: {albedo:?}");
+        }
+    }
+}
