@@ -17,7 +17,7 @@ fn thousand() -> Document {
     let entry = |(i, preset): (usize, &gonio::material::Preset)| {
         Entry::new(format!("{}.{i}", preset.name), preset.description().expect("presets are sound"))
     };
-    Document { profile: Profile::Measured, materials: presets.map(entry).collect() }
+    Document::new(Profile::Measured, presets.map(entry).collect())
 }
 
 #[divan::bench(args = ["toml", "json"])]

@@ -478,12 +478,15 @@ mod tests {
                         _ => panic!("{name} has a norm and no range"),
                     };
                     assert!(low <= norm.range[0] && norm.range[1] <= high, "{name}");
+                    if let Some(Value::Number(default)) = parameter.default {
+                        assert!(norm.range[0] <= default && default <= norm.range[1], "{name}: {default}");
+                    }
                 }
             }
         }
     }
 
-    /// Values that the table accepts are values that the lobes take.
+    /// Values that the table accepts are values that the lobes take, each by itself.
     #[test]
     fn every_material_can_be_made_at_both_ends_of_every_range_and_with_every_choice() {
         for &model in Model::ALL {

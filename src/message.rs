@@ -151,6 +151,11 @@ impl Finding {
         Self { code, span: None, text: shown(&text.into()), label: String::new(), help: Vec::new() }
     }
 
+    /// What is wrong and what to say about it, where no text of the file is shown.
+    pub fn line(&self) -> String {
+        if self.label.is_empty() { self.text.clone() } else { format!("{} ({})", self.text, self.label) }
+    }
+
     /// The same with words at the span.
     #[must_use]
     pub fn label(self, label: impl Into<String>) -> Self {

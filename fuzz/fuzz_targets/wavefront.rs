@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use gonio::material::file::{Document, Entry, Syntax, read};
+use gonio::material::Profile;
 use gonio::material::foreign::mtl;
 use libfuzzer_sys::fuzz_target;
 
@@ -16,7 +17,7 @@ fuzz_target!(|text: &str| {
         Entry::new(format!("m{i}"), material.description)
     };
     let materials = materials.into_iter().enumerate().map(entry).collect();
-    let document = Document { materials, ..Document::default() };
+    let document = Document::new(Profile::default(), materials);
     let (again, findings) = read(&document.to_toml(), Syntax::Toml, Path::new(""));
     assert!(findings.is_empty());
     assert_eq!(again.materials.len(), document.materials.len());

@@ -10,7 +10,7 @@ use std::time::{Duration, SystemTime};
 use bxdf_tests::{Outcome, Plan, Specimen, Suite, Transport, Verdict, directional_albedo, failure_report};
 use clap::ValueEnum;
 use gonio::material::file::{Document, Syntax, read, text_of};
-use gonio::material::{Description, MaterialError, Profile, Summary};
+use gonio::material::{Profile, Summary};
 use gonio::message::{Finding, Severity};
 use gonio::record::{CheckRecord, CheckedFile, CheckedMaterial, RunRecord};
 use gonio::specimen::{BxdfSpecimen, verify};
@@ -115,8 +115,14 @@ impl Checked {
         let (mut document, mut findings) = read(&text, Syntax::of(path), folder);
         document.profile = profile.unwrap_or(document.profile);
         findings.extend(document.lint());
-        findings.sort_by_key(|finding| finding.span.as_ref().map_or(0, |span| span.start));
-        Self { path: shown, text, document, findings, is_unreadable: false }
+        let mut checked = Self { path: shown, text, document, findings, is_unreadable: false };
+        checked.sort();
+        checked
+    }
+
+    /// Findings in the order of the file.
+    fn sort(&mut self) {
+        self.findings.sort_by_key(|finding| finding.span.as_ref().map_or(0, |span| span.start));
     }
 
     fn count(&self, severity: Severity) -> usize {
@@ -125,15 +131,15 @@ impl Checked {
 }
 
 fn check(options: &Options, general: &General) -> Result<ExitCode, Failure> {
-    let files: Vec<Checked> = options.files.iter().map(|path| Checked::of(path, options.profile)).collect();
+    let mut files: Vec<Checked> =
+        options.files.iter().map(|path| Checked::of(path, options.profile)).collect();
+    let specimens = if options.lint_only { Vec::new() } else { specimens_of(&mut files) };
     if options.format == Form::Full {
         for file in &files {
             print(&findings_of(file))?;
         }
     }
-    let specimens = specimens_of(&files)?;
-    let runs = !options.lint_only && !specimens.is_empty();
-    let run = runs.then(|| suites(&specimens, options.seed, general));
+    let run = (!specimens.is_empty()).then(|| suites(&specimens, options.seed, general));
     let record = record_of(&files, run)?;
     print(&match options.format {
         Form::Full => full(&files, &record)?,
@@ -154,21 +160,31 @@ fn check(options: &Options, general: &General) -> Result<ExitCode, Failure> {
     })
 }
 
-/// Every material of every file in double precision, by the name of its file where there are several.
-fn specimens_of(files: &[Checked]) -> Result<Vec<Box<dyn Specimen>>, Failure> {
-    let materials = files.iter().flat_map(|file| {
-        let materials = file.document.materials.iter();
-        materials.map(|material| (specimen_name(files, file, &material.name), &material.description))
-    });
-    let materials: Vec<_> = materials.collect();
-    let specimen = |(name, description): (String, &Description)| -> Result<_, MaterialError> {
-        Ok(Box::new(BxdfSpecimen::<f64>::of_material(&name, description.material()?)) as _)
-    };
-    Ok(materials.into_par_iter().map(specimen).collect::<Result<_, _>>()?)
+/// Every material of every file in double precision. One that cannot be made is a finding more and a material less.
+fn specimens_of(files: &mut [Checked]) -> Vec<Box<dyn Specimen>> {
+    let are_several = files.len() > 1;
+    let mut specimens: Vec<Box<dyn Specimen>> = Vec::new();
+    for file in files {
+        let materials = std::mem::take(&mut file.document.materials);
+        let built: Vec<_> = materials.par_iter().map(|entry| entry.description.material::<f64>()).collect();
+        for (entry, built) in materials.into_iter().zip(built) {
+            match built {
+                Ok(material) => {
+                    let name = specimen_name(are_several, &file.path, &entry.name);
+                    specimens.push(Box::new(BxdfSpecimen::of_material(&name, material)));
+                    file.document.materials.push(entry);
+                }
+                Err(problem) => file.findings.push(entry.refusal(&problem)),
+            }
+        }
+        file.sort();
+    }
+    specimens
 }
 
-fn specimen_name(files: &[Checked], file: &Checked, material: &str) -> String {
-    if files.len() == 1 { material.to_owned() } else { format!("{}/{material}", file.path) }
+/// By the name of its file where there are several.
+fn specimen_name(are_several: bool, file: &str, material: &str) -> String {
+    if are_several { format!("{file}/{material}") } else { material.to_owned() }
 }
 
 fn suites(specimens: &[Box<dyn Specimen>], seed: u64, general: &General) -> (RunRecord, Vec<[f64; 3]>) {
@@ -195,13 +211,13 @@ fn record_of(files: &[Checked], run: Option<(RunRecord, Vec<[f64; 3]>)>) -> Resu
     for file in files {
         let mut materials = Vec::new();
         for material in &file.document.materials {
-            let specimen = specimen_name(files, file, &material.name) + "/f64";
+            let specimen = specimen_name(files.len() > 1, &file.path, &material.name) + "/f64";
             materials.push(CheckedMaterial {
                 name: material.name.clone(),
                 model: material.model(),
                 summary: material.description.summary()?,
                 albedo: albedos.next(),
-                outcome: run.as_ref().map(|run| outcome(&run.verdicts, &specimen)),
+                outcome: run.as_ref().and_then(|run| outcome(&run.verdicts, &specimen)),
             });
         }
         let lines = Lines::of(&file.text);
@@ -216,15 +232,11 @@ fn record_of(files: &[Checked], run: Option<(RunRecord, Vec<[f64; 3]>)>) -> Resu
     Ok(CheckRecord::new(checked, run))
 }
 
-/// The worst of the verdicts on a specimen.
-fn outcome(verdicts: &[Verdict], specimen: &str) -> Outcome {
+/// The worst of the verdicts on a specimen, if there are any.
+fn outcome(verdicts: &[Verdict], specimen: &str) -> Option<Outcome> {
     let of_specimen = || verdicts.iter().filter(|verdict| verdict.specimen == specimen);
-    let any = |outcome| of_specimen().any(|verdict| verdict.outcome == outcome);
-    match (any(Outcome::Violated), any(Outcome::Inconclusive)) {
-        (true, _) => Outcome::Violated,
-        (false, true) => Outcome::Inconclusive,
-        (false, false) => Outcome::Holds,
-    }
+    let worst_first = [Outcome::Violated, Outcome::Inconclusive, Outcome::Holds];
+    worst_first.into_iter().find(|&outcome| of_specimen().any(|verdict| verdict.outcome == outcome))
 }
 
 fn findings_of(file: &Checked) -> String {
@@ -320,7 +332,7 @@ fn concise(files: &[Checked], record: &CheckRecord) -> Result<String, std::fmt::
                 .place
                 .map_or(String::new(), |place| format!("{}:{}:", place.line, place.column));
             let severity = finding.code.severity();
-            writeln!(text, "{}:{place} {severity}[{}]: {}", file.path, finding.code, finding.text)?;
+            writeln!(text, "{}:{place} {severity}[{}]: {}", file.path, finding.code, finding.line())?;
         }
     }
     for verdict in record.run.iter().flat_map(|run| &run.verdicts) {

@@ -1,5 +1,6 @@
 //! `gonio import`: materials of other programs as a material file, with what was lost.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -43,11 +44,13 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         eprintln!("{}\n", snippet::render(finding, &path, &lines));
     }
     let mut document = Document::default();
+    let mut names = BTreeMap::new();
     for material in &imported {
-        let mut name = name(&material.name);
-        while document.materials.iter().any(|other| other.name == name) {
-            name.push('_');
-        }
+        let plain = plain(&material.name);
+        // Different names may be the same without what a material file does not take.
+        let count: &mut usize = names.entry(plain.clone()).or_default();
+        *count += 1;
+        let name = if *count == 1 { plain } else { format!("{plain}.{count}") };
         document.materials.push(Entry::new(name, material.description.clone()));
     }
     let to = options.output.as_deref();
@@ -61,25 +64,31 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
             return Err(format!("nothing to write into {}", to.display()).into());
         }
         Some(to) if !write_new(to, &written, options.overwrite)? => return Err(exists(to).into()),
-        Some(to) => print(&losses(&imported, findings.len(), to)?)?,
+        Some(to) => print(&losses(&imported, &document, findings.len(), to)?)?,
     }
     Ok(if findings.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
 /// A name that a material file takes.
-fn name(foreign: &str) -> String {
+fn plain(foreign: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() || "_-.".contains(c) { c } else { '_' };
     let name: String = foreign.chars().map(plain).collect();
     if name.is_empty() || name.starts_with('.') { format!("_{name}") } else { name }
 }
 
 /// What became of every value.
-fn losses(imported: &[Imported], refused: usize, to: &Path) -> Result<String, std::fmt::Error> {
+fn losses(
+    imported: &[Imported],
+    document: &Document,
+    refused: usize,
+    to: &Path,
+) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     // In the order of the fates.
     let mut counts = [0; 3];
-    for Imported { name, description, losses } in imported {
-        writeln!(text, "{name}: {}", description.model().name())?;
+    for (Imported { name, description, losses }, entry) in imported.iter().zip(&document.materials) {
+        let renamed = if *name == entry.name { String::new() } else { format!(" → {}", entry.name) };
+        writeln!(text, "{name}{renamed}: {}", description.model().name())?;
         let width = losses.iter().map(|loss| loss.key.chars().count()).max().unwrap_or(0);
         for loss in losses {
             writeln!(text, "  {:<width$}  {:<9}  {}", loss.key, loss.fate.to_string(), loss.text)?;

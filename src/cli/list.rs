@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use bxdf_tests::Suite;
 use gonio::material::file::{Document, Entry};
-use gonio::material::{Model, PRESETS, Parameter, ParameterKind, Preset, flattened, preset};
+use gonio::material::{Model, PRESETS, Parameter, ParameterKind, Preset, Profile, flattened, preset};
 use gonio::parameter::did_you_mean;
 use gonio::specimen::{CatalogueError, Kind, specimens_of};
 use rayon::prelude::*;
@@ -133,7 +133,7 @@ fn parameters_of(model: Model) -> Result<String, std::fmt::Error> {
 /// A preset as a material file.
 fn file_of(preset: &Preset) -> Result<String, Failure> {
     let material = Entry::new(preset.name, preset.description()?);
-    let document = Document { materials: vec![material], ..Document::default() };
+    let document = Document::new(Profile::default(), vec![material]);
     let Preset { name, summary, figure, .. } = preset;
     Ok(format!("# {name}: {summary}\n# thesis, {figure}\n\n{}", document.to_toml()))
 }

@@ -1,5 +1,6 @@
 //! Findings with the lines of the file that they are about.
 
+use std::cell::Cell;
 use std::io::IsTerminal as _;
 use std::ops::Range;
 
@@ -14,12 +15,15 @@ const WIDEST: usize = 400;
 pub(crate) struct Lines<'a> {
     text: &'a str,
     starts: Vec<usize>,
+    /// The place that was asked for last and its column: findings come in order, and a file may be one line.
+    last: Cell<(usize, usize)>,
 }
 
 impl<'a> Lines<'a> {
     pub(crate) fn of(text: &'a str) -> Self {
         let after_breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at + 1);
-        Self { text, starts: std::iter::once(0).chain(after_breaks).collect() }
+        let starts = std::iter::once(0).chain(after_breaks).collect();
+        Self { text, starts, last: Cell::new((0, 1)) }
     }
 
     /// Index of the line that a byte is in.
@@ -30,8 +34,13 @@ impl<'a> Lines<'a> {
     /// Line and column of a byte, from 1; columns are characters.
     fn position(&self, at: usize) -> (usize, usize) {
         let line = self.line(at);
-        let before = self.text.get(self.starts[line]..at).unwrap_or_default();
-        (line + 1, before.chars().count() + 1)
+        let (from, column) = match self.last.get() {
+            (last, column) if (self.starts[line]..=at).contains(&last) => (last, column),
+            _ => (self.starts[line], 1),
+        };
+        let column = column + self.text.get(from..at).unwrap_or_default().chars().count();
+        self.last.set((at, column));
+        (line + 1, column)
     }
 
     /// A finding with its lines and columns.

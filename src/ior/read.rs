@@ -73,6 +73,9 @@ impl BadTable {
     }
 }
 
+/// Bytes of a file that are read at most; a table of ten rows per nanometre has a thousandth of it.
+const LARGEST: u64 = 64 << 20;
+
 /// A column under one of its names, with the factor to the unit of the table.
 struct Column {
     index: usize,
@@ -89,7 +92,7 @@ impl Table {
             line: None,
             problem: Problem::Unreadable(error.to_string()),
         })?;
-        Self::read(&name, file)
+        Self::read(&name, file.take(LARGEST))
     }
 
     /// Reads a table: CSV with the columns `wavelength_nm` (or `wavelength_um`), `eta` (or `n`) and `k`.

@@ -57,7 +57,7 @@ impl<F: Real> ThinSheet<F> {
     }
 
     /// Fractions reflected and transmitted per channel.
-    fn fractions(&self, cos_theta: F) -> [Rgb<F>; 2] {
+    pub(crate) fn fractions(&self, cos_theta: F) -> [Rgb<F>; 2] {
         let face = dielectric(cos_theta, self.eta);
         let (r, t) = (face.reflectance.unpolarized(), face.transmittance.unpolarized());
         if t == F::ZERO {

@@ -20,7 +20,7 @@ impl Description {
     /// (`alpha`, `coat.eta`).
     ///
     /// # Errors
-    /// The first of [`Self::examined`].
+    /// The first of [`Self::examined`], or of [`Self::contradictions`].
     pub fn new<'a>(
         model: Model,
         values: impl IntoIterator<Item = (&'a str, Value)>,
@@ -45,12 +45,12 @@ impl Description {
         given: impl IntoIterator<Item = (&'a str, Value)>,
     ) -> Result<Self, MaterialError> {
         let (description, problems) = Self::adopt(model, values, given);
-        problems.into_iter().next().map_or(Ok(description), Err)
+        let problem = problems.into_iter().next().or_else(|| description.contradictions().into_iter().next());
+        problem.map_or(Ok(description), Err)
     }
 
-    /// A material of the given model with those of the given values that can be accepted, and everything that
-    /// is wrong with the others: parameters or values that are not in the table of the model, values that
-    /// contradict each other.
+    /// A material of the given model with those of the given values that its table accepts, and what is wrong with
+    /// each of the others. If none is, [`Self::contradictions`] are what else can be wrong.
     pub fn examined<'a>(
         model: Model,
         values: impl IntoIterator<Item = (&'a str, Value)>,
@@ -64,12 +64,13 @@ impl Description {
         given: impl IntoIterator<Item = (&'a str, Value)>,
     ) -> (Self, Vec<MaterialError>) {
         let set = |(path, value)| values.set(path, value).err();
-        let mut problems: Vec<_> = given.into_iter().filter_map(set).collect();
-        // Rules speak of values that are accepted; what was refused is missing from them.
-        if problems.is_empty() {
-            problems.extend(model.rules().iter().filter_map(|rule| rule(&values).err()));
-        }
+        let problems = given.into_iter().filter_map(set).collect();
         (Self { model, values }, problems)
+    }
+
+    /// What is wrong with values together, each of which is in its range.
+    pub fn contradictions(&self) -> Vec<MaterialError> {
+        self.model.rules().iter().filter_map(|rule| rule(&self.values).err()).collect()
     }
 
     /// The model.

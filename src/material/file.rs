@@ -26,7 +26,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read as _;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{Description, MaterialError, Model, Profile, Remark, lint};
 use crate::message::{Code, Finding, Severity};
@@ -40,6 +40,16 @@ const VERSION: f64 = 1.0;
 
 /// Bytes of a file at most.
 const LARGEST: u64 = 64 << 20;
+
+/// A place in a file. It says nothing about what stands there, so all are equal.
+#[derive(Clone, Debug, Default)]
+struct Place(Range<usize>);
+
+impl PartialEq for Place {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
 
 /// How a material file is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +75,8 @@ pub struct Document {
     pub profile: Profile,
     /// The materials, in the order of the file.
     pub materials: Vec<Entry>,
+    /// The folder that data sets are looked for in.
+    folder: PathBuf,
 }
 
 /// A material of a file.
@@ -80,7 +92,7 @@ pub struct Entry {
     places: Places,
 }
 
-/// Where a material and its parameters stand in a file.
+/// Where a material and its parameters stand in a file; all are equal, as a [`Place`] is.
 #[derive(Clone, Debug, Default)]
 struct Places {
     name: Range<usize>,
@@ -96,14 +108,13 @@ impl Places {
 }
 
 impl PartialEq for Places {
-    /// A place says nothing about a material.
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
 /// A remark that is silenced, and why.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Allowance {
     /// The kind of the remark.
     pub code: Code,
@@ -111,14 +122,18 @@ pub struct Allowance {
     pub path: String,
     /// Why it is meant.
     pub reason: String,
-    /// Where it stands in the file.
-    span: Range<usize>,
+    place: Place,
 }
 
 impl Entry {
     /// A material that stands in no file yet.
     pub fn new(name: impl Into<String>, description: Description) -> Self {
         Self { name: name.into(), description, allowed: Vec::new(), places: Places::default() }
+    }
+
+    /// An error of the material, where it stands in the file.
+    pub fn refusal(&self, problem: &MaterialError) -> Finding {
+        self.places.finding(problem)
     }
 
     /// The model.
@@ -128,6 +143,11 @@ impl Entry {
 }
 
 impl Document {
+    /// A file of the given materials.
+    pub fn new(profile: Profile, materials: Vec<Entry>) -> Self {
+        Self { profile, materials, folder: PathBuf::new() }
+    }
+
     /// What is possible but rarely meant: remarks on each material that it does not allow, and allowances that
     /// allow nothing. No lobe is built for that.
     pub fn lint(&self) -> Vec<Finding> {
@@ -136,7 +156,7 @@ impl Document {
             let remarks = match lint(&material.description, self.profile) {
                 Ok(remarks) => remarks,
                 Err(problem) => {
-                    findings.push(material.places.finding(&problem));
+                    findings.push(material.refusal(&problem));
                     continue;
                 }
             };
@@ -150,7 +170,7 @@ impl Document {
             }
             for allowance in &material.allowed {
                 if !remarks.iter().any(|remark| answers(allowance, remark)) {
-                    let Allowance { code, path, span, .. } = allowance;
+                    let Allowance { code, path, place: Place(span), .. } = allowance;
                     let text = format!("`{}` gives no cause for {code} of `{path}`", material.name);
                     let finding = Finding::at(Code::NeedlessAllowance, span.clone(), text);
                     findings.push(finding.label("nothing needs this").help("delete it"));

@@ -2,13 +2,13 @@
 
 use serde::Serialize;
 
-use super::{Description, MaterialError, Model, ParameterKind, Value, flattened, metal};
+use super::{Description, MaterialError, Model, Value, flattened, matte, metal};
 use crate::fresnel::normal_incidence;
 use crate::ior::{self, Illuminant};
 use crate::lobe::OrenNayarModel;
 use crate::message::Code;
 use crate::microfacet::ALPHA_MIN;
-use crate::rgb::{Rgb, linear_to_srgb, srgb_to_linear};
+use crate::rgb::{Rgb, linear_to_srgb};
 
 /// Whose idea of plausible colours a file is held against: published ranges disagree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -111,8 +111,8 @@ fn unusual(description: &Description, profile: Profile) -> Vec<Remark> {
     let mut remarks = Vec::new();
     let table = flattened(description.model().parameters());
     for (path, value) in description.given() {
-        let parameter = table.iter().find(|(known, _)| known == path).map(|(_, parameter)| *parameter);
-        let Some((parameter, norm)) = parameter.and_then(|parameter| Some((parameter, parameter.norm?)))
+        let Some(norm) =
+            table.iter().find(|(known, _)| known == path).and_then(|(_, parameter)| parameter.norm)
         else {
             continue;
         };
@@ -120,7 +120,9 @@ fn unusual(description: &Description, profile: Profile) -> Vec<Remark> {
             // What follows all orders of scattering loses nothing.
             "alpha" => description.values().text("scattering").is_ok_and(|name| name == "all"),
             "k" => matches!(value, Value::Colour(k) if k.contains(&0.0)),
-            _ => matches!(parameter.kind, ParameterKind::Colour) && profile.bytes().is_some(),
+            _ => {
+                path == matte::REFLECTANCE.id && is_diffuse(description.model()) && profile.bytes().is_some()
+            }
         };
         let [low, high] = norm.range;
         let is_usual = match value {
@@ -176,25 +178,25 @@ fn tint_and_absorption(description: &Description) -> Judged {
     Ok((is_tinted && absorbs).then(remark))
 }
 
-/// Optical thickness from which on a layer hides what is below it: both ways leave e⁻⁶.
-const HIDES: f64 = 3.0;
+/// Optical length from which on light is gone: e⁻⁶ = 0.25 % is left.
+const HIDES: f64 = 6.0;
 
 fn hidden_base(description: &Description) -> Judged {
-    let (group, what) = match description.model() {
-        Model::Plastic | Model::CarPaint => ("coat.", "the coat hides its base"),
-        Model::ThinGlass => ("", "the sheet lets nothing through"),
+    let (group, passes, what) = match description.model() {
+        Model::Plastic | Model::CarPaint => ("coat.", 2.0, "the coat hides its base"),
+        Model::ThinGlass => ("", 1.0, "the sheet lets nothing through"),
         _ => return Ok(None),
     };
     let thickness = number(description, &format!("{group}thickness"))?;
     let absorbance = channels(description, &format!("{group}absorbance"))?;
     let least = absorbance.into_iter().fold(f64::INFINITY, f64::min) * thickness;
     let remark = || {
-        let percent = 100.0 * (-2.0 * least).exp();
-        let label = format!("× absorbance = {least:.3}: {percent:.2} % comes back, at most");
+        let percent = 100.0 * (-passes * least).exp();
+        let label = format!("× absorbance = {least:.3}: {percent:.2} % is left, at most");
         Remark::new(Code::HiddenBase, &format!("{group}thickness"), what, label)
             .help("only thickness × absorbance counts: make one of them smaller")
     };
-    Ok((least > HIDES).then(remark))
+    Ok((passes * least > HIDES).then(remark))
 }
 
 /// α of a coat from which on the layer over metal is off by more than 0.04.
@@ -234,16 +236,22 @@ fn only_deltas(description: &Description) -> Judged {
 
 /// A diffuse colour outside of the profile.
 fn of_colour(description: &Description, profile: Profile) -> Judged {
-    let is_diffuse = matches!(description.model(), Model::Matte | Model::Plastic | Model::Fabric);
-    let Some([range, _]) = profile.bytes().filter(|_| is_diffuse) else { return Ok(None) };
-    let luminance = Rgb(channels(description, "reflectance")?).luminance();
-    Ok(outside(profile, range, luminance, "reflectance"))
+    let Some([range, _]) = profile.bytes().filter(|_| is_diffuse(description.model())) else {
+        return Ok(None);
+    };
+    let path = matte::REFLECTANCE.id;
+    Ok(outside(profile, range, Rgb(channels(description, path)?).luminance(), path))
+}
+
+fn is_diffuse(model: Model) -> bool {
+    matches!(model, Model::Matte | Model::Plastic | Model::Fabric)
 }
 
 fn outside(profile: Profile, [low, high]: [f64; 2], luminance: f64, path: &str) -> Option<Remark> {
-    let is_inside = (srgb_to_linear(low / 255.0)..=srgb_to_linear(high / 255.0)).contains(&luminance);
-    (!is_inside).then(|| {
-        let text = format!("a luminance of {luminance:.4}, {:.0} in sRGB", 255.0 * linear_to_srgb(luminance));
+    // The ranges are of whole bytes.
+    let byte = (255.0 * linear_to_srgb(luminance)).round();
+    (!(low..=high).contains(&byte)).then(|| {
+        let text = format!("a luminance of {luminance:.4}, {byte} in sRGB");
         let label = format!("the profile `{}` wants {low} to {high}", profile.name());
         Remark::new(Code::OutsideProfile, path, text, label)
     })
@@ -307,8 +315,13 @@ fn outside_gamut(description: &Description) -> Result<Option<[f64; 3]>, Material
 
 /// An index that is that of a known metal over the index of the coat already: it will be divided again.
 fn divided_already(eta: [f64; 3], k: [f64; 3], coat: f64) -> Option<Remark> {
+    const NEAR: f64 = 0.02;
+    if coat - 1.0 <= 2.0 * NEAR {
+        // Divided or not, it is the same.
+        return None;
+    }
     let is_near =
-        |a: [f64; 3], b: [f64; 3]| a.into_iter().zip(b).all(|(a, b)| (a * coat - b).abs() < 0.02 * b);
+        |a: [f64; 3], b: [f64; 3]| a.into_iter().zip(b).all(|(a, b)| (a * coat - b).abs() <= NEAR * b);
     for provenance in ior::provenances().ok()?.iter().filter(|table| table.class == ior::Class::Metal) {
         let reductions = metal::reductions(&provenance.table).into_iter().flatten();
         for [known_eta, known_k] in reductions {

@@ -92,7 +92,7 @@ pub(super) const ROTATION: Parameter = Parameter {
 pub(super) const PARAMETERS: &[Parameter] =
     &[IOR, REDUCTION, ETA, K, alpha(0.1), ANISOTROPY, ROTATION, DISTRIBUTION, SCATTERING];
 
-pub(super) const RULES: &[Rule] = &[one_index, covered, alphas_below_one];
+pub(super) const RULES: &[Rule] = &[one_index, index_of_a_substance, alphas_below_one];
 
 /// An index is a data set or numbers, both of them.
 fn one_index(values: &Values) -> Result<(), MaterialError> {
@@ -160,9 +160,21 @@ pub(super) fn index(values: &Values) -> Result<[[f64; 3]; 2], MaterialError> {
     reduced(values.text(IOR.id)?, is_measured).map_err(source)
 }
 
-/// A data set must reach over what is asked of it.
-fn covered(values: &Values) -> Result<(), MaterialError> {
-    index(values).map(|_| ())
+/// A data set reaches over what is asked of it, numbers are those of a substance.
+fn index_of_a_substance(values: &Values) -> Result<(), MaterialError> {
+    // Which of two indices is meant must be known first.
+    if one_index(values).is_err() {
+        return Ok(());
+    }
+    let [eta, k] = index(values)?;
+    match (0..3).find(|&channel| eta[channel] + k[channel] == 0.0) {
+        None => Ok(()),
+        Some(channel) => Err(MaterialError::Unacceptable {
+            parameter: ETA.id.to_owned(),
+            value: Value::Colour(eta).to_string(),
+            expected: format!("eta + k > 0 in channel {}", ["red", "green", "blue"][channel]),
+        }),
+    }
 }
 
 /// The Fresnel term of the metal in vacuum.

@@ -10,13 +10,13 @@ pub(super) const PARAMETERS: &[Parameter] = &[Parameter {
     id: "reflectance",
     label: "reflectance R",
     kind: ParameterKind::Colour,
-    default: Some(Value::Number(1.0)),
+    default: Some(Value::Number(0.95)),
     norm: Some(Norm {
         range: [0.5, 0.99],
         source: "from stainless steel to silver; at 1 paths between two mirrors never end",
     }),
     unit: "",
-    doc: "Share of the light that the mirror returns.",
+    doc: "Share of the light that the mirror returns; 1 is an ideal one.",
 }];
 
 pub(super) const RULES: &[Rule] = &[];

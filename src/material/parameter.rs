@@ -109,7 +109,7 @@ impl Value {
 impl Value {
     /// The value with four digits at most, one number where all channels agree.
     pub(super) fn shown(&self) -> String {
-        let short = |number: f64| format!("{}", (number * 1e4).round() / 1e4);
+        let short = |number: f64| figure(format!("{number:.3e}").parse().unwrap_or(number));
         match self {
             Self::Number(number) => short(*number),
             Self::Colour([red, green, blue]) if red == green && green == blue => short(*red),

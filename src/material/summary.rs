@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use super::{Description, MaterialError, Model, glass, metal};
+use super::{Description, MaterialError, Model, glass, metal, thin_glass};
 use crate::fresnel::normal_incidence;
+use crate::rgb::Rgb;
 
 /// What a line about a material says.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -30,8 +31,14 @@ impl Description {
         let (alphas, normal_reflectance) = match self.model() {
             Model::Matte | Model::Fabric => (vec![], vec![]),
             Model::Mirror => (vec![[0.0; 2]], vec![values.colour::<f64>("reflectance")?.0]),
-            Model::Glass => (vec![[number("alpha")?; 2]], vec![grey(number(glass::ETA.id)?)]),
-            Model::ThinGlass => (vec![[0.0; 2]], vec![grey(number(glass::ETA.id)?)]),
+            Model::Glass => {
+                let boundary = Rgb(grey(number(glass::ETA.id)?)) * values.colour("reflection")?;
+                (vec![[number("alpha")?; 2]], vec![boundary.0])
+            }
+            Model::ThinGlass => {
+                let [reflected, _] = thin_glass::sheet::<f64>(values)?.fractions(1.0);
+                (vec![[0.0; 2]], vec![reflected.0])
+            }
             Model::Metal => (vec![metal::alphas(values)?], vec![conductor(1.0)?]),
             Model::Plastic => (vec![[number("coat.alpha")?; 2]], vec![grey(number("coat.eta")?)]),
             Model::CarPaint => {

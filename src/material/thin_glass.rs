@@ -21,9 +21,13 @@ pub(super) const PARAMETERS: &[Parameter] = &[
 
 pub(super) const RULES: &[Rule] = &[];
 
-pub(super) fn build<F: Real>(values: &Values) -> Result<Build<F>, MaterialError> {
+/// The sheet that the parameters describe.
+pub(super) fn sheet<F: Real>(values: &Values) -> Result<ThinSheet<F>, MaterialError> {
     let thickness: F = values.number("thickness")?;
     let optical_thickness = values.colour::<F>("absorbance")? * thickness;
-    let sheet = ThinSheet::new(values.number("eta")?, optical_thickness, values.colour("transmission")?)?;
-    Build::isotropic([sheet.into()])
+    Ok(ThinSheet::new(values.number("eta")?, optical_thickness, values.colour("transmission")?)?)
+}
+
+pub(super) fn build<F: Real>(values: &Values) -> Result<Build<F>, MaterialError> {
+    Build::isotropic([sheet(values)?.into()])
 }

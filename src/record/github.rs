@@ -43,7 +43,7 @@ impl CheckRecord {
                     write!(text, ",line={line},col={column},endLine={end_line},endColumn={end_column}")?;
                 }
                 let title = property(&format!("{}: {}", finding.code, finding.code.title()));
-                let message = [std::slice::from_ref(&finding.text), &finding.help].concat().join("\n");
+                let message = [&[finding.line()], &*finding.help].concat().join("\n");
                 writeln!(text, ",title={title}::{}", escaped(&message))?;
             }
         }

@@ -63,7 +63,7 @@ impl CheckRecord {
                 let place =
                     place.map_or(String::new(), |place| format!(" at {}:{}", place.line, place.column));
                 let help = escaped(&finding.help.join("\n"));
-                let (code, what) = (finding.code, escaped(&finding.text));
+                let (code, what) = (finding.code, escaped(&finding.line()));
                 write!(text, "    <testcase classname=\"{name}\" name=\"{code}{place}\">")?;
                 writeln!(text, "<failure message=\"{what}\">{help}</failure></testcase>")?;
             }
@@ -103,6 +103,8 @@ fn escaped(text: &str) -> String {
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
             '\n' | '\t' => escaped.push(character),
+            // Not characters of XML, even where they are of Unicode.
+            '\u{fffe}' | '\u{ffff}' => escaped.push('\u{fffd}'),
             _ if character.is_control() => escaped.push('\u{fffd}'),
             _ => escaped.push(character),
         }
@@ -117,5 +119,6 @@ mod tests {
     #[test]
     fn markup_and_control_characters_are_harmless() {
         assert_eq!(escaped("a<b & \"c\"\n\u{1b}[31m"), "a&lt;b &amp; &quot;c&quot;\n\u{fffd}[31m");
+        assert_eq!(escaped("\u{fffe}\u{ffff}"), "\u{fffd}\u{fffd}");
     }
 }

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use super::colour::ColourSpace;
 use super::syntax::{self, Content, Node};
-use super::{Allowance, Document, Entry, Places, Syntax, VERSION};
-use crate::ior::IorError;
+use super::{Allowance, Document, Entry, Place, Places, Syntax, VERSION};
+use crate::ior::{IorError, builtin};
 use crate::material::{
     Description, MaterialError, Model, Parameter, ParameterKind, Profile, Value, flattened,
 };
 use crate::message::{Code, Finding, Severity};
-use crate::parameter::did_you_mean;
+use crate::parameter::{did_you_mean, figure};
 
 /// What `roughness` means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +21,7 @@ enum Roughness {
 }
 
 /// α by a name that needs a declaration.
-const ROUGHNESS: &str = "roughness";
+pub(super) const ROUGHNESS: &str = "roughness";
 
 /// What it may be declared to mean.
 pub(super) const ROUGHNESSES: [&str; 2] = ["alpha", "perceptual"];
@@ -43,8 +43,8 @@ const UNITS: [(&str, Option<f64>); 8] = [
 pub fn read(text: &str, syntax: Syntax, folder: &Path) -> (Document, Vec<Finding>) {
     let (root, findings) = syntax::parse(text, syntax);
     let broken = syntax::broken(text, syntax, &findings);
-    let undeclared = [false; 2];
-    let mut reader = Reader { folder, broken, findings, colour: None, roughness: None, undeclared };
+    let (undeclared, refusals) = ([false; 2], 0);
+    let mut reader = Reader { folder, broken, findings, colour: None, roughness: None, undeclared, refusals };
     let document = reader.document(&root);
     let mut findings = reader.findings;
     findings.sort_by_key(|finding| finding.span.as_ref().map_or(0, |span| span.start));
@@ -60,6 +60,8 @@ struct Reader<'a> {
     roughness: Option<Roughness>,
     /// Whether a missing declaration of colour and of roughness has been reported: once is enough.
     undeclared: [bool; 2],
+    /// How often something was refused, told or not: what a missing declaration leaves without meaning is told once.
+    refusals: usize,
 }
 
 /// What a key of a material means.
@@ -79,18 +81,19 @@ struct Given {
 
 impl Reader<'_> {
     fn report(&mut self, finding: Finding) {
+        self.refusals += usize::from(finding.code.severity() == Severity::Error);
         self.findings.push(finding);
     }
 
     /// Whether something stands where the syntax is broken.
     fn is_broken(&self, span: &Range<usize>) -> bool {
-        self.broken
-            .iter()
-            .any(|broken| broken.start < span.end.max(span.start + 1) && span.start < broken.end)
+        // They are in order and apart.
+        let after = self.broken.partition_point(|broken| broken.end <= span.start);
+        self.broken.get(after).is_some_and(|broken| broken.start < span.end.max(span.start + 1))
     }
 
     fn document(&mut self, root: &Node) -> Document {
-        let mut document = Document::default();
+        let mut document = Document { folder: self.folder.to_owned(), ..Document::default() };
         let entries = root.table().unwrap_or_default();
         if root.table().is_none() {
             let text = format!("a material file is a table, not {}", root.kind());
@@ -107,7 +110,8 @@ impl Reader<'_> {
         }
         for entry in entries {
             match (entry.key.as_str(), entry.value.table()) {
-                ("gonio", _) => {}
+                // Where editors look for the schema.
+                ("gonio" | "$schema", _) => {}
                 ("material", Some(materials)) => {
                     for material in materials {
                         let read = self.material(&material.key, &material.span, &material.value);
@@ -225,7 +229,7 @@ impl Reader<'_> {
         if self.is_broken(span) || self.holds_broken(node) {
             return None;
         }
-        let before = self.errors();
+        let before = self.refusals;
         // It becomes the name of a specimen and of a file.
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
         if name.is_empty() || name.starts_with('.') || !name.chars().all(is_plain) {
@@ -261,28 +265,24 @@ impl Reader<'_> {
             self.parameter(model, model.parameters(), "", entry, &mut given);
         }
         let values = given.iter().map(|given| (given.path.as_str(), given.value.clone()));
-        let (description, problems) = Description::examined(model, values);
+        let (description, mut problems) = Description::examined(model, values);
         let parameters = given.iter().map(|given| (given.path.clone(), given.span.clone())).collect();
         let places = Places { name: span.clone(), parameters };
-        // What was refused above is not missing.
-        let is_complete = self.errors() == before;
-        let is_told =
-            |problem: &&MaterialError| is_complete || !matches!(problem, MaterialError::Missing { .. });
-        for problem in problems.iter().filter(is_told) {
+        // What was refused is not missing, and its default contradicts nothing.
+        if self.refusals == before && problems.is_empty() {
+            problems = description.contradictions();
+        }
+        for problem in &problems {
             self.report(places.finding(problem));
         }
-        let is_sound = self.errors() == before;
+        let is_sound = self.refusals == before;
         is_sound.then_some(Entry { name: name.to_owned(), description, allowed, places })
     }
 
     fn holds_broken(&self, node: &Node) -> bool {
         let is_broken =
             |entry: &syntax::Entry| self.is_broken(&entry.span) || self.holds_broken(&entry.value);
-        node.table().is_some_and(|entries| entries.iter().any(is_broken))
-    }
-
-    fn errors(&self) -> usize {
-        self.findings.iter().filter(|finding| finding.code.severity() == Severity::Error).count()
+        self.is_broken(&node.span) || node.table().is_some_and(|entries| entries.iter().any(is_broken))
     }
 
     fn model(&mut self, node: &Node) -> Option<Model> {
@@ -329,8 +329,14 @@ impl Reader<'_> {
                         );
                     }
                     Content::Text(reason) if !reason.trim().is_empty() => {
-                        let (reason, span) = (reason.clone(), span.clone());
-                        allowed.push(Allowance { code, path, reason, span });
+                        if allowed.iter().any(|other| other.code == code && other.path == path) {
+                            let text = format!("{code} of `{path}` is allowed twice");
+                            let finding = Finding::at(Code::Twice, span.clone(), text);
+                            self.report(finding.label("here it is allowed again").help("keep one of them"));
+                        } else {
+                            let (reason, place) = (reason.clone(), Place(span.clone()));
+                            allowed.push(Allowance { code, path, reason, place });
+                        }
                     }
                     _ => self.report(wrong(node, "an allowance needs a reason")),
                 }
@@ -425,9 +431,8 @@ impl Reader<'_> {
             return Some(Value::Number(number * factor));
         }
         let text = format!("{} = {number} is out of range", entry.key);
-        let [low, high] = range.map(|bound| (bound * 1e4).round() / 1e4);
         let finding = Finding::at(Code::OutOfRange, entry.value.span.clone(), text);
-        self.report(finding.label(format!("expected a number in [{low}, {high}]")));
+        self.report(finding.label(format!("expected a number in [{}]", range.map(figure).join(", "))));
         None
     }
 
@@ -448,6 +453,7 @@ impl Reader<'_> {
                     .help("or declare under [gonio]: roughness = \"alpha\", or \"perceptual\" for α = roughness²");
                     self.report(finding);
                 }
+                self.refusals += 1;
                 return None;
             }
         };
@@ -491,18 +497,29 @@ impl Reader<'_> {
                 &Content::Number(number),
             ) => Some(Value::Number(number)),
             (ParameterKind::Choice { .. }, Content::Text(text)) => Some(Value::from(text.clone())),
-            (ParameterKind::DataSet, Content::Text(text)) => {
-                let path = Path::new(text);
-                let is_file = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
-                let text = if is_file { self.folder.join(path).display().to_string() } else { text.clone() };
-                Some(Value::from(text))
-            }
+            (ParameterKind::DataSet, Content::Text(text)) => return self.data_set(text, node),
             _ => None,
         };
         if value.is_none() {
             self.wrong_type(parameter, node);
         }
         value
+    }
+
+    /// A data set by its whole name, or a file beside this one.
+    fn data_set(&mut self, text: &str, node: &Node) -> Option<Value> {
+        let path = Path::new(text);
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
+            return Some(Value::from(self.folder.join(path).display().to_string()));
+        }
+        // The only set of a substance today is one of several tomorrow.
+        if let (false, Ok(table)) = (text.contains('/'), builtin(text)) {
+            let text = format!("`{text}` is a substance, not a data set");
+            let finding = Finding::at(Code::AmbiguousDataSet, node.span.clone(), text);
+            self.report(finding.label(format!("write \"{}\"", table.name())));
+            return None;
+        }
+        Some(Value::from(text.to_owned()))
     }
 
     /// A colour in linear Rec. 709, from `0.5`, `[r, g, b]` or `{ srgb = [r, g, b] }`.
@@ -566,6 +583,7 @@ impl Reader<'_> {
                 .help(format!("or here alone: {id} = {{ srgb = {} }}", Value::Colour(colour)));
                 self.report(finding);
             }
+            self.refusals += 1;
             return None;
         };
         Some(Value::Colour(space.linear(colour)))
@@ -654,9 +672,9 @@ pub(super) fn of_problem(problem: &MaterialError, span: Range<usize>) -> Finding
             Finding::at(code, span, format!("{parameter} = \"{value}\" is no choice{hint}"))
                 .label(format!("expected {expected}"))
         }
-        MaterialError::Missing { parameter, .. } => {
-            Finding::at(code, span, problem.to_string()).label(format!("`{parameter}` is missing"))
-        }
+        MaterialError::Missing { parameter, .. } => Finding::at(code, span, problem.to_string())
+            .label(format!("`{parameter}` is missing"))
+            .help("eta and k belong together; or name a data set: ior = \"copper/Johnson-1972\""),
         MaterialError::DataSet { source: IorError::Ambiguous { material, choices }, .. } => {
             Finding::at(code, span, format!("`{material}` has several data sets that differ"))
                 .label("which of them?")

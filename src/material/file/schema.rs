@@ -4,7 +4,7 @@ use serde_json::{Map, Value as Json, json};
 
 use super::VERSION;
 use super::colour::ColourSpace;
-use super::read::{ROUGHNESSES, spellings};
+use super::read::{ROUGHNESS, ROUGHNESSES, spellings};
 use crate::ior::{Class, provenances};
 use crate::material::{Model, Parameter, ParameterKind, Profile};
 
@@ -80,7 +80,8 @@ fn of_table(parameters: &'static [Parameter]) -> Map<String, Json> {
         schema.insert("description".to_owned(), json!(format!("{}{unit}", parameter.doc)));
         for (key, factor) in spellings(parameter) {
             let mut schema = schema.clone();
-            if factor == 1.0 {
+            // What α a roughness means is for the file to say.
+            if factor == 1.0 && key != ROUGHNESS {
                 schema
                     .extend(parameter.default.as_ref().map(|default| ("default".to_owned(), json!(default))));
             } else {

@@ -1,5 +1,6 @@
 //! TOML and JSON as one tree whose parts know where they stand.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use jsonc_parser::errors::ParseErrorKind;
@@ -61,9 +62,21 @@ impl Node {
 /// The tree of a text and what is wrong with its syntax; where the syntax allows, all of it.
 pub(super) fn parse(text: &str, syntax: Syntax) -> (Node, Vec<Finding>) {
     match syntax {
-        Syntax::Toml => toml(text),
+        Syntax::Toml => on_a_large_stack(|| toml(text)),
         Syntax::Json => json(text),
     }
+}
+
+/// The parser of TOML takes 80 tables within each other, under keys of 80 parts, and a function call or two for each.
+fn on_a_large_stack<T: Send>(work: impl Fn() -> T + Sync) -> T {
+    const STACK: usize = 64 << 20;
+    std::thread::scope(|scope| {
+        match std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, &work) {
+            Ok(thread) => thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
+            // Without another thread there is this one.
+            Err(_) => work(),
+        }
+    })
 }
 
 fn empty(text: &str) -> Node {
@@ -94,7 +107,7 @@ fn toml(text: &str) -> (Node, Vec<Finding>) {
         });
     }
     let span = root.span();
-    let node = Node { content: Content::Table(of_toml_table(root.get_ref())), span };
+    let node = Node { content: Content::Table(of_toml_table(root.get_ref(), 1)), span };
     if let Some(span) = too_deep(&node, 1).filter(|_| findings.is_empty()) {
         findings.push(deep(span));
     }
@@ -130,28 +143,34 @@ pub(super) fn broken(text: &str, syntax: Syntax, findings: &[Finding]) -> Vec<Ra
         let at = finding.span.as_ref().map_or(0, |span| span.start);
         // A file may be nothing but errors: each section is looked for once.
         if broken.last().is_none_or(|last| at >= last.end) {
-            broken.push(match syntax {
-                Syntax::Toml => section_of(text, at),
-                Syntax::Json => 0..text.len() + 1,
+            broken.push(match (syntax, finding.code, &finding.span) {
+                (Syntax::Toml, ..) => section_of(text, at),
+                // The tree is whole but for this.
+                (Syntax::Json, Code::Twice, Some(span)) => span.clone(),
+                (Syntax::Json, ..) => 0..text.len() + 1,
             });
         }
     }
     broken
 }
 
-fn of_toml_table(table: &DeTable<'_>) -> Vec<Entry> {
+fn of_toml_table(table: &DeTable<'_>, depth: usize) -> Vec<Entry> {
     let entry = |(key, value): (&Spanned<DeString<'_>>, &Spanned<DeValue<'_>>)| Entry {
         key: key.get_ref().to_string(),
         span: key.span(),
-        value: of_toml(value),
+        value: of_toml(value, depth + 1),
     };
     let mut entries: Vec<Entry> = table.iter().map(entry).collect();
     entries.sort_by_key(|entry| entry.span.start);
     entries
 }
 
-fn of_toml(value: &Spanned<DeValue<'_>>) -> Node {
+/// The tree of a value, down to one level below the deepest that is allowed: dotted keys within tables within tables
+/// would take more stack than a thread has.
+fn of_toml(value: &Spanned<DeValue<'_>>, depth: usize) -> Node {
     let content = match value.get_ref() {
+        DeValue::Array(_) if depth > DEEPEST => Content::List(Vec::new()),
+        DeValue::Table(_) if depth > DEEPEST => Content::Table(Vec::new()),
         DeValue::String(text) => Content::Text(text.to_string()),
         DeValue::Integer(number) => {
             // Beyond 64 bits, or what no literal is: nothing that a parameter takes.
@@ -163,8 +182,8 @@ fn of_toml(value: &Spanned<DeValue<'_>>) -> Node {
         }
         DeValue::Boolean(_) => Content::Other("a truth value"),
         DeValue::Datetime(_) => Content::Other("a date"),
-        DeValue::Array(list) => Content::List(list.iter().map(of_toml).collect()),
-        DeValue::Table(table) => Content::Table(of_toml_table(table)),
+        DeValue::Array(list) => Content::List(list.iter().map(|node| of_toml(node, depth + 1)).collect()),
+        DeValue::Table(table) => Content::Table(of_toml_table(table, depth)),
     };
     Node { content, span: value.span() }
 }
@@ -182,6 +201,9 @@ fn json(text: &str) -> (Node, Vec<Finding>) {
         allow_non_finite_numbers: false,
         allow_extended_string_escapes: false,
     };
+    // Some editors mark UTF-8; to JSON the mark is as good as spaces, of which it takes three.
+    let unmarked = text.strip_prefix('\u{feff}').map(|rest| format!("   {rest}"));
+    let text = unmarked.as_deref().unwrap_or(text);
     match parse_to_ast(text, &CollectOptions::default(), &strict) {
         Ok(parsed) => {
             let mut findings = Vec::new();
@@ -222,10 +244,11 @@ fn of_json(value: &ast::Value<'_>, findings: &mut Vec<Finding>) -> Node {
         }
         ast::Value::Object(object) => {
             let mut entries: Vec<Entry> = Vec::new();
+            let mut keys = BTreeSet::new();
             for property in &object.properties {
                 let (key, range) = (property.name.as_str(), property.name.range());
                 let span = range.start..range.end;
-                if entries.iter().any(|entry| entry.key == key) {
+                if !keys.insert(key) {
                     let twice = Finding::at(Code::Twice, span, format!("`{key}` is given twice"));
                     findings.push(twice.label("here it is given again").help("keep one of them"));
                 } else {

@@ -1,6 +1,7 @@
 //! From materials to the text of a file that reads as the same materials.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use serde::{Serialize, Serializer};
 use serde_json::json;
@@ -19,7 +20,7 @@ impl Document {
         }
         for material in &self.materials {
             let _ = writeln!(text, "\n[material.{}]", quoted_key(&material.name));
-            for (key, value) in material.contents() {
+            for (key, value) in self.contents(material) {
                 let _ = writeln!(text, "{} = {}", quoted_key(&key), literal(&value));
             }
         }
@@ -28,7 +29,8 @@ impl Document {
 
     /// The same in JSON.
     pub fn to_json(&self) -> String {
-        let materials = self.materials.iter().map(|material| (material.name.clone(), material.contents()));
+        let materials =
+            self.materials.iter().map(|material| (material.name.clone(), self.contents(material)));
         let file = Tree::Table(vec![
             ("gonio".to_owned(), Tree::Table(self.header())),
             (
@@ -51,21 +53,23 @@ impl Document {
         }
         header
     }
-}
 
-impl Entry {
-    /// Its keys in the order of the table of parameters, groups as tables.
-    fn contents(&self) -> Contents {
-        let mut contents = vec![("model".to_owned(), Tree::Text(self.model().name().to_owned()))];
-        for (path, value) in self.description.given() {
+    /// The keys of a material in the order of the table of parameters, groups as tables.
+    fn contents(&self, material: &Entry) -> Contents {
+        let mut contents = vec![("model".to_owned(), Tree::Text(material.model().name().to_owned()))];
+        for (path, value) in material.description.given() {
             let value = match value {
                 Value::Number(number) => Tree::Number(*number),
                 Value::Colour(channels) => Tree::Channels(*channels),
-                Value::Text(text) => Tree::Text(text.to_string()),
+                // Files are named from the folder of this one.
+                Value::Text(text) => Tree::Text(match Path::new(&**text).strip_prefix(&self.folder) {
+                    Ok(path) if text.contains('.') => path.display().to_string(),
+                    _ => text.to_string(),
+                }),
             };
             insert(&mut contents, path.split('.'), value);
         }
-        for Allowance { code, path, reason, .. } in &self.allowed {
+        for Allowance { code, path, reason, .. } in &material.allowed {
             let keys = ["allow", code.id(), path];
             insert(&mut contents, keys.into_iter(), Tree::Text(reason.clone()));
         }
