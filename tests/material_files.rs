@@ -364,6 +364,21 @@ fn what_is_imported_can_be_checked_and_nothing_is_overwritten() {
     assert!(String::from_utf8(output.stderr).unwrap().contains("--overwrite"));
     import("classic.mtl", &["-o", "a.toml", "--overwrite"]);
     assert!(fs::read(&file).unwrap() != before);
+    // Names that a material file does not take are told, and none comes twice.
+    let same = folder.path().join("same.mtl");
+    fs::write(
+        &same,
+        "newmtl a b\nKd 0.5\nillum 1\nnewmtl a_b\nKd 0.4\nillum 1\nnewmtl a_b.2\nKd 0.3\nillum 1\n",
+    )
+    .unwrap();
+    let output = import(&same.display().to_string(), &["-o", "same.toml"]);
+    let losses = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        losses.starts_with("a b → a_b: matte\n") && losses.contains("\na_b → a_b.2: matte\n"),
+        "{losses}"
+    );
+    assert!(losses.contains("\na_b.2 → a_b.2.2: matte\n"), "{losses}");
+    assert!(!self::said(&folder.path().join("same.toml")).contains("G107"));
     // Without a file to write, the materials are printed.
     let printed = String::from_utf8(import("blender.mtl", &[]).stdout).unwrap();
     assert_eq!(printed.as_bytes(), before);

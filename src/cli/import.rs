@@ -1,6 +1,6 @@
 //! `gonio import`: materials of other programs as a material file, with what was lost.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -44,13 +44,16 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         eprintln!("{}\n", snippet::render(finding, &path, &lines));
     }
     let mut document = Document::default();
-    let mut names = BTreeMap::new();
+    // Different names may be the same without what a material file does not take: later ones get a number.
+    let (mut names, mut numbers) = (BTreeSet::new(), BTreeMap::new());
     for material in &imported {
         let plain = plain(&material.name);
-        // Different names may be the same without what a material file does not take.
-        let count: &mut usize = names.entry(plain.clone()).or_default();
-        *count += 1;
-        let name = if *count == 1 { plain } else { format!("{plain}.{count}") };
+        let number: &mut usize = numbers.entry(plain.clone()).or_insert(1);
+        let mut name = plain.clone();
+        while !names.insert(name.clone()) {
+            *number += 1;
+            name = format!("{plain}.{number}");
+        }
         document.materials.push(Entry::new(name, material.description.clone()));
     }
     let to = options.output.as_deref();
