@@ -446,12 +446,10 @@ fn gltf_pbr_becomes_what_it_means() {
 }
 
 /// The defaults of the definitions in the MaterialX library. Vectors have none that a file could repeat.
-#[test]
-fn an_input_at_its_default_loses_nothing() {
-    for (element, inputs) in [
-        (
-            "standard_surface",
-            "base=1.0;base_color=0.8,0.8,0.8;diffuse_roughness=0;metalness=0;specular=1;\
+const DEFAULTS: [(&str, &str); 3] = [
+    (
+        "standard_surface",
+        "base=1.0;base_color=0.8,0.8,0.8;diffuse_roughness=0;metalness=0;specular=1;\
              specular_color=1,1,1;specular_roughness=0.2;specular_IOR=1.5;specular_anisotropy=0;\
              specular_rotation=0;transmission=0;transmission_color=1,1,1;transmission_depth=0;\
              transmission_scatter=0,0,0;transmission_scatter_anisotropy=0;\
@@ -461,10 +459,10 @@ fn an_input_at_its_default_loses_nothing() {
              coat_color=1,1,1;coat_roughness=0.1;coat_anisotropy=0.0;coat_rotation=0.0;\
              coat_IOR=1.5;coat_affect_color=0;coat_affect_roughness=0;thin_film_thickness=0;\
              thin_film_IOR=1.5;emission=0;emission_color=1,1,1;opacity=1,1,1;thin_walled=false",
-        ),
-        (
-            "open_pbr_surface",
-            "base_weight=1.0;base_color=0.8,0.8,0.8;base_diffuse_roughness=0.0;base_metalness=0.0;\
+    ),
+    (
+        "open_pbr_surface",
+        "base_weight=1.0;base_color=0.8,0.8,0.8;base_diffuse_roughness=0.0;base_metalness=0.0;\
              specular_weight=1.0;specular_color=1,1,1;specular_roughness=0.3;specular_ior=1.5;\
              specular_roughness_anisotropy=0.0;transmission_weight=0.0;transmission_color=1,1,1;\
              transmission_depth=0.0;transmission_scatter=0,0,0;\
@@ -476,16 +474,20 @@ fn an_input_at_its_default_loses_nothing() {
              coat_roughness=0.0;coat_roughness_anisotropy=0.0;coat_ior=1.6;coat_darkening=1.0;\
              thin_film_weight=0;thin_film_thickness=0.5;thin_film_ior=1.4;emission_luminance=0.0;\
              emission_color=1,1,1;geometry_opacity=1;geometry_thin_walled=false",
-        ),
-        (
-            "gltf_pbr",
-            "base_color=1,1,1;metallic=1;roughness=1;occlusion=1;transmission=0;specular=1;\
+    ),
+    (
+        "gltf_pbr",
+        "base_color=1,1,1;metallic=1;roughness=1;occlusion=1;transmission=0;specular=1;\
              specular_color=1,1,1;ior=1.5;alpha=1;alpha_mode=0;alpha_cutoff=0.5;iridescence=0;\
              iridescence_ior=1.3;iridescence_thickness=100;sheen_color=0,0,0;sheen_roughness=0;\
              clearcoat=0;clearcoat_roughness=0;emissive=0,0,0;emissive_strength=1;thickness=0;\
              attenuation_color=1,1,1",
-        ),
-    ] {
+    ),
+];
+
+#[test]
+fn an_input_at_its_default_loses_nothing() {
+    for (element, inputs) in DEFAULTS {
         let material = only(shader(element, inputs));
         assert_eq!(material.losses.len(), inputs.split(';').count(), "{element}");
         for loss in &material.losses {
@@ -560,86 +562,111 @@ fn colours_are_decoded_into_linear_rec_709() {
 
 /// An input that no arm of the translation knows would be told as without effect.
 #[test]
-fn every_input_of_every_shader_has_an_effect_or_is_lost_somewhere() {
-    // The inputs, each at a value that is not the default, and behind a space the others that make it count.
+fn every_input_of_every_shader_has_its_fate() {
+    // The fate of an input (x: refused at its place, o: at that of another), the input at a value that is not the default, and the others
+    // that make it count.
     let cases = [
         (
             "standard_surface",
-            "base=0.5 | base_color=0.1,0.2,0.3 | diffuse_roughness=0.3 | metalness=1 | \
-             specular=0.5 | specular_color=0.5,0.6,0.7 | specular_roughness=0.4 | specular_IOR=1.6 | \
-             specular_anisotropy=0.5 | specular_rotation=0.1 metalness=1;specular_anisotropy=0.5 | \
-             transmission=1 | transmission_color=0.5,0.5,0.5 transmission=1 | \
-             transmission_depth=2 transmission=1;transmission_color=0.5,0.5,0.5 | \
-             transmission_scatter=1,1,1 transmission=1 | transmission_dispersion=30 transmission=1 | \
-             transmission_extra_roughness=0.1 transmission=1 | subsurface=0.5 | \
-             subsurface_color=0.5,0.4,0.3 subsurface=0.5 | subsurface_radius=2,2,2 subsurface=0.5 | \
-             subsurface_scale=2 subsurface=0.5 | subsurface_anisotropy=0.2 subsurface=0.5 | \
-             sheen=0.05 | coat=1 | coat_color=0.5,0.6,0.7 coat=1 | coat_roughness=0.2 coat=1 | \
-             coat_anisotropy=0.2 coat=1 | coat_rotation=0.2 coat=1;coat_anisotropy=0.2 | \
-             coat_IOR=1.4 coat=1 | coat_normal=0,0,1 | coat_affect_color=0.5 coat=1 | \
-             coat_affect_roughness=0.5 coat=1;metalness=1 | thin_film_thickness=300 | emission=1 | \
-             emission_color=0.5,0.5,0.5 emission=1 | opacity=0.95,0.95,0.95 | \
-             thin_walled=true transmission=1;specular_roughness=0 | normal=0,0,1 | tangent=1,0,0 | \
-             sheen_color=0.5,0.5,0.5 sheen=0.05 | sheen_roughness=0.5 sheen=0.05 | \
-             thin_film_IOR=1.4 thin_film_thickness=300 | coat_color=0.5,0.5,0.5 coat=0.05 | \
-             transmission_depth=3 transmission=0.05",
+            "c base=0.5 | c base_color=0.1,0.2,0.3 | c diffuse_roughness=0.3 | e metalness=1 | \
+             c specular=0.5 | d specular_color=0.5,0.6,0.7 | e specular_roughness=0.4 | \
+             e specular_IOR=1.6 | d specular_anisotropy=0.5 | \
+             c specular_rotation=0.1 metalness=1;specular_anisotropy=0.5 | e transmission=1 | \
+             e transmission_color=0.5,0.5,0.5 transmission=1 | \
+             e transmission_depth=2 transmission=1;transmission_color=0.5,0.5,0.5 | \
+             x transmission_scatter=1,1,1 transmission=1;transmission_depth=1 | \
+             d transmission_dispersion=30 transmission=1 | \
+             x transmission_extra_roughness=0.1 transmission=1 | c subsurface=0.5 | \
+             c subsurface_color=0.5,0.4,0.3 subsurface=0.5 | \
+             d subsurface_radius=2,2,2 subsurface=0.5 | d subsurface_scale=2 subsurface=0.5 | \
+             d subsurface_anisotropy=0.2 subsurface=0.5 | d sheen=0.05 | e coat=1 | \
+             e coat_color=0.5,0.6,0.7 coat=1 | e coat_roughness=0.2 coat=1 | \
+             d coat_anisotropy=0.2 coat=1 | d coat_rotation=0.2 coat=1;coat_anisotropy=0.2 | \
+             e coat_IOR=1.4 coat=1 | d coat_normal=0,0,1 | e coat_affect_color=0.5 coat=1 | \
+             e coat_affect_roughness=0.5 coat=1;metalness=1 | x thin_film_thickness=300 | \
+             d emission=1 | d emission_color=0.5,0.5,0.5 emission=1 | d opacity=0.95,0.95,0.95 | \
+             c thin_walled=true transmission=1;specular_roughness=0 | d normal=0,0,1 | \
+             d tangent=1,0,0 | d sheen_color=0.5,0.5,0.5 sheen=0.05 | \
+             d sheen_roughness=0.5 sheen=0.05 | o thin_film_IOR=1.4 thin_film_thickness=300 | \
+             d coat_color=0.5,0.5,0.5 coat=0.05 | d transmission_depth=3 transmission=0.05",
         ),
         (
             "open_pbr_surface",
-            "base_weight=0.5 | base_color=0.1,0.2,0.3 | base_diffuse_roughness=0.3 | \
-             base_metalness=1 | specular_weight=0.5 | specular_color=0.5,0.6,0.7 | \
-             specular_roughness=0.4 | specular_ior=1.6 | specular_roughness_anisotropy=0.5 | \
-             transmission_weight=1 | transmission_color=0.5,0.5,0.5 transmission_weight=1 | \
-             transmission_depth=2 transmission_weight=1;transmission_color=0.5,0.5,0.5 | \
-             transmission_scatter=1,1,1 transmission_weight=1 | \
-             transmission_dispersion_scale=1 transmission_weight=1 | \
-             transmission_dispersion_abbe_number=30 transmission_weight=1;transmission_dispersion_scale=1 | \
-             subsurface_weight=0.5 | subsurface_color=0.5,0.4,0.3 subsurface_weight=0.5 | \
-             subsurface_radius=2 subsurface_weight=0.5 | \
-             subsurface_radius_scale=1,1,1 subsurface_weight=0.5 | \
-             subsurface_scatter_anisotropy=0.2 subsurface_weight=0.5 | fuzz_weight=0.05 | \
-             coat_weight=1 | coat_color=0.5,0.6,0.7 coat_weight=1 | \
-             coat_roughness=0.2 coat_weight=1 | coat_roughness_anisotropy=0.2 coat_weight=1 | \
-             coat_ior=1.4 coat_weight=1 | coat_darkening=0.5 coat_weight=1 | \
-             coat_darkening=0.5 coat_weight=1;base_metalness=1 | thin_film_weight=0.05 | \
-             emission_luminance=1 | geometry_opacity=0.95 | \
-             geometry_thin_walled=true transmission_weight=1;specular_roughness=0 | \
-             geometry_normal=0,0,1 | geometry_coat_normal=0,0,1 | geometry_tangent=1,0,0 | \
-             geometry_coat_tangent=1,0,0 | fuzz_color=0.5,0.5,0.5 fuzz_weight=0.05 | \
-             fuzz_roughness=0.2 fuzz_weight=0.05 | thin_film_thickness=0.3 thin_film_weight=0.05 | \
-             thin_film_ior=1.5 thin_film_weight=0.05 | \
-             transmission_scatter_anisotropy=0.5 transmission_weight=1;transmission_scatter=1,1,1",
+            "c base_weight=0.5 | c base_color=0.1,0.2,0.3 | c base_diffuse_roughness=0.3 | \
+             e base_metalness=1 | e specular_weight=0.5 | d specular_color=0.5,0.6,0.7 | \
+             e specular_roughness=0.4 | e specular_ior=1.6 | d specular_roughness_anisotropy=0.5 | \
+             e transmission_weight=1 | e transmission_color=0.5,0.5,0.5 transmission_weight=1 | \
+             e transmission_depth=2 transmission_weight=1;transmission_color=0.5,0.5,0.5 | \
+             x transmission_scatter=1,1,1 transmission_weight=1;transmission_depth=1 | \
+             d transmission_dispersion_scale=1 transmission_weight=1 | \
+             d transmission_dispersion_abbe_number=30 transmission_weight=1;transmission_dispersion_scale=1 | \
+             c subsurface_weight=0.5 | c subsurface_color=0.5,0.4,0.3 subsurface_weight=0.5 | \
+             d subsurface_radius=2 subsurface_weight=0.5 | \
+             d subsurface_radius_scale=1,1,1 subsurface_weight=0.5 | \
+             d subsurface_scatter_anisotropy=0.2 subsurface_weight=0.5 | d fuzz_weight=0.05 | \
+             e coat_weight=1 | c coat_color=0.5,0.6,0.7 coat_weight=1 | \
+             e coat_roughness=0.2 coat_weight=1 | d coat_roughness_anisotropy=0.2 coat_weight=1 | \
+             e coat_ior=1.4 coat_weight=1 | c coat_darkening=0.5 coat_weight=1 | \
+             x coat_darkening=0.5 coat_weight=1;base_metalness=1 | d thin_film_weight=0.05 | \
+             d emission_luminance=1 | d geometry_opacity=0.95 | \
+             c geometry_thin_walled=true transmission_weight=1;specular_roughness=0 | \
+             d geometry_normal=0,0,1 | d geometry_coat_normal=0,0,1 | d geometry_tangent=1,0,0 | \
+             d geometry_coat_tangent=1,0,0 | d fuzz_color=0.5,0.5,0.5 fuzz_weight=0.05 | \
+             d fuzz_roughness=0.2 fuzz_weight=0.05 | \
+             d thin_film_thickness=0.3 thin_film_weight=0.05 | \
+             d thin_film_ior=1.5 thin_film_weight=0.05 | \
+             o transmission_scatter_anisotropy=0.5 transmission_weight=1;transmission_scatter=1,1,1;transmission_depth=1",
         ),
         (
             "gltf_pbr",
-            "base_color=0.1,0.2,0.3 | metallic=0 | roughness=0.4 | normal=0,0,1 | tangent=1,0,0 | \
-             occlusion=0.5 | transmission=1 metallic=0;roughness=0 | specular=0.5 metallic=0 | \
-             specular_color=0.5,0.6,0.7 metallic=0 | ior=1.6 metallic=0 | alpha=0.95 alpha_mode=2 | \
-             iridescence=0.05 | sheen_color=0.05,0,0 | clearcoat=1 | \
-             clearcoat_roughness=0.2 clearcoat=1 | clearcoat_normal=0,0,1 | emissive=1,1,1 | \
-             emissive_strength=2 emissive=1,1,1 | \
-             attenuation_distance=2 metallic=0;transmission=1;thickness=1;attenuation_color=0.5,0.5,0.5 | \
-             attenuation_color=0.5,0.5,0.5 metallic=0;transmission=1;thickness=1;attenuation_distance=2 | \
-             anisotropy_strength=0.5 roughness=0.3 | \
-             anisotropy_rotation=0.5 roughness=0.3;anisotropy_strength=0.5 | \
-             dispersion=1 metallic=0;transmission=1;thickness=1 | \
-             sheen_roughness=0.2 sheen_color=0.05,0,0 | iridescence_ior=1.5 iridescence=0.05 | \
-             iridescence_thickness=200 iridescence=0.05 | thickness=1 metallic=0;transmission=1 | \
-             alpha_mode=1 alpha=0.5 | alpha_cutoff=0.2 alpha=0.95;alpha_mode=1",
+            "c base_color=0.1,0.2,0.3 | e metallic=0 | e roughness=0.4 | d normal=0,0,1 | \
+             d tangent=1,0,0 | d occlusion=0.5 | c transmission=1 metallic=0;roughness=0 | \
+             c specular=0.5 metallic=0 | d specular_color=0.5,0.6,0.7 metallic=0 | \
+             e ior=1.6 metallic=0 | d alpha=0.95 alpha_mode=2 | d iridescence=0.05 | \
+             d sheen_color=0.05,0,0 | e clearcoat=1 | e clearcoat_roughness=0.2 clearcoat=1 | \
+             d clearcoat_normal=0,0,1 | d emissive=1,1,1 | d emissive_strength=2 emissive=1,1,1 | \
+             e attenuation_distance=2 metallic=0;transmission=1;thickness=1;attenuation_color=0.5,0.5,0.5 | \
+             e attenuation_color=0.5,0.5,0.5 metallic=0;transmission=1;thickness=1;attenuation_distance=2 | \
+             e anisotropy_strength=0.5 roughness=0.3 | \
+             e anisotropy_rotation=0.5 roughness=0.3;anisotropy_strength=0.5 | \
+             d dispersion=1 metallic=0;transmission=1;thickness=1 | \
+             d sheen_roughness=0.2 sheen_color=0.05,0,0 | d iridescence_ior=1.5 iridescence=0.05 | \
+             d iridescence_thickness=200 iridescence=0.05 | \
+             e thickness=1 metallic=0;transmission=1 | e alpha_mode=1 alpha=0.5 | \
+             e alpha_cutoff=0.2 alpha=0.95;alpha_mode=1",
         ),
     ];
     let mut silent = String::new();
     for (element, cases) in cases {
         for case in cases.split(" | ") {
-            let (input, others) = case.split_once(' ').unwrap_or((case, ""));
+            let (fate, case) = case.split_at(1);
+            let (input, others) = case[1..].split_once(' ').unwrap_or((&case[1..], ""));
             let (materials, findings) = shader(element, &format!("{input};{others}"));
             let name = input.split_once('=').unwrap().0;
-            let is_told = match materials.first() {
-                Some(material) => loss(material, name).1 != "without effect on this material",
-                None => findings.iter().all(|finding| finding.code == Code::NoEqual),
+            let found = match materials.first() {
+                Some(material) if loss(material, name).1 == "without effect on this material" => {
+                    "silent".into()
+                }
+                Some(material) => {
+                    let i = material.losses.iter().position(|loss| loss.key.starts_with(name)).unwrap();
+                    fates(material)[i..=i].to_owned()
+                }
+                // At the place of the input.
+                None => {
+                    let text = shader_text(element, &format!("{input};{others}"));
+                    let place = findings[0].span.clone().map_or("", |span| &text[span]);
+                    let is_here = place.contains(&format!("\"{name}\""));
+                    let is_sole = findings.len() == 1 && findings[0].code == Code::NoEqual;
+                    match (is_sole, is_here) {
+                        (true, true) => "x",
+                        (true, false) => "o",
+                        (false, _) => "not the only finding",
+                    }
+                    .to_owned()
+                }
             };
-            if !is_told {
-                writeln!(silent, "{element}: {case}: {findings:?}").unwrap();
+            if found != fate {
+                writeln!(silent, "{element}: {found} {input} {others}").unwrap();
             }
         }
     }
@@ -879,6 +906,9 @@ fn a_metal_below_a_coat_is_seen_through_refraction() {
         ("standard_surface", "specular_color=0.8,0.8,0.8;metalness=1;coat=1", "c", "refracted"),
         ("standard_surface", "specular_roughness=0.3;metalness=1;coat=1", "c", "1.5 times as wide"),
         ("gltf_pbr", "roughness=0.3;clearcoat=1", "c", "1.5 times as wide"),
+        ("mtl", "Kd=0.6;Pm=1;Pc=1;Pr=0.3", "c", "darker by up to 0.2229"),
+        ("mtl", "Pr=0.3;Kd=0.6;Pm=1;Pc=1", "c", "0.09 of GGX; its highlight is 1.5 times as wide"),
+        ("mtl", "Pr=0.3;Kd=0.6;Pm=1", "e", "0.09 of GGX"),
         ("gltf_pbr", "base_color=0.6,0.6,0.6;clearcoat=1", "c", "darker by up to 0.2229"),
         ("open_pbr_surface", "coat_darkening=0.4;coat_weight=1;base_metalness=1;coat_ior=1.5", "x", "0.1095"),
         (
@@ -927,6 +957,7 @@ fn limits_of_ours_are_not_mistakes_of_the_file() {
         ),
         ("mtl", "aniso=1;Pr=1;Pm=1;Kd=0.8", "x", ""),
         ("open_pbr_surface", "specular_weight=30", "x", ""),
+        ("gltf_pbr", "specular_color=30,30,30;metallic=0", "x", ""),
         ("open_pbr_surface", "specular_weight=25;specular_ior=1.5", "x", ""),
         ("standard_surface", "coat_IOR=0.9;coat=1", "x", ""),
         ("mtl", "Ni=0;Kd=0.5;Ks=0.5", "m", "index of 0"),
@@ -1310,17 +1341,14 @@ fn numbers_from_the_ends_of_their_ranges_are_read_or_refused() {
     let seed = bxdf_tests::run_seed();
     println!("BXDF_TESTS_SEED={seed}");
     let mut random = Pcg64::new(seed.into(), 1);
-    let keys = |name: &str| {
-        let text = text(name);
-        let inputs = text.split("<input name=\"").skip(1);
-        let input = |input: &str| (input.split('"').next().unwrap().to_owned(), input.contains("color3"));
-        let mut keys: Vec<_> = inputs.map(input).filter(|(name, _)| !name.contains("shader")).collect();
-        keys.sort();
-        keys.dedup();
-        keys
-    };
-    let shaders = ["standard_surface", "open_pbr_surface", "gltf_pbr"];
-    let keys = shaders.map(|element| keys(&format!("{element}.mtlx")));
+    // Those of glTF that have no default or are not of every version of the definition.
+    let others = "attenuation_distance=1;anisotropy_strength=0;anisotropy_rotation=0;dispersion=0";
+    let keys = DEFAULTS.map(|(element, inputs)| {
+        let others = if element == "gltf_pbr" { others } else { "" };
+        let inputs = inputs.split(';').chain(others.split(';')).filter(|input| !input.is_empty());
+        inputs.map(|input| input.split_once('=').unwrap()).collect::<Vec<_>>()
+    });
+    let shaders = DEFAULTS.map(|(element, _)| element);
     let mtl_keys =
         "Ka Kd Ks Ke Tf Ns Ni d Tr illum Pr Pm Ps Pc Pcr aniso anisor".split(' ').collect::<Vec<_>>();
     let mut imported = 0;
@@ -1333,15 +1361,16 @@ fn numbers_from_the_ends_of_their_ranges_are_read_or_refused() {
         let (materials, findings) = if i % 4 == 3 {
             for numbers in &numbers[..count] {
                 let key = mtl_keys[random.random_range(0..mtl_keys.len())];
-                writeln!(text, "{key} {}", if key == "illum" { "7" } else { numbers[0] }).unwrap();
+                let illum = random.random_range(0..=10).to_string();
+                writeln!(text, "{key} {}", if key == "illum" { &illum } else { numbers[0] }).unwrap();
             }
             mtl(&format!("newmtl a\n{text}"))
         } else {
             for numbers in &numbers[..count] {
-                let (key, is_colour) = &keys[i % 4][random.random_range(0..keys[i % 4].len())];
-                let value = match key.as_str() {
-                    "thin_walled" => "true".to_owned(),
-                    _ if *is_colour => numbers.join(","),
+                let (key, default) = keys[i % 4][random.random_range(0..keys[i % 4].len())];
+                let value = match default {
+                    "false" => "true".to_owned(),
+                    _ if default.contains(',') => numbers.join(","),
                     _ => numbers[0].to_owned(),
                 };
                 write!(text, "{key}={value};").unwrap();

@@ -420,6 +420,14 @@ fn returned_inside(eta: f64) -> f64 {
     (1.0 - (1.0 - mean) / (eta * eta)).max(0.0)
 }
 
+/// What a metal of reflectance ρ at 0° loses at most to a coat that returns the share K of its light, and that a
+/// file without internal reflections does not: ρ − ρ (1 − K) / (1 − ρ K). Smooth metals lose less.
+fn lost_to_coat(f0: [f64; 3], eta: f64) -> f64 {
+    // A coat of another index is refused as such.
+    let returned = if eta >= 1.0 { returned_inside(eta) } else { 0.0 };
+    largest(f0.map(|rho| if rho < 1.0 { returned * rho * (1.0 - rho) / (1.0 - rho * returned) } else { 0.0 }))
+}
+
 /// The reflectance below an interface that lets the share (1 − F) `seen` of the light out: ρ / (t + ρ (1 −
 /// t)).
 ///

@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::{
-    Draft, FINITE, Fate, Imported, Input, Key, Kind, POSITIVE, SHARE, below, f0_of, largest, metal_like_f82,
-    quoted, show, show_colour, smallest,
+    Draft, FINITE, Fate, Imported, Input, Key, Kind, POSITIVE, SHARE, below, f0_of, largest, lost_to_coat,
+    metal_like_f82, quoted, show, show_colour, smallest,
 };
 use crate::material::Model;
 use crate::message::{Code, Finding};
@@ -350,7 +350,7 @@ fn model(d: &mut Draft, program: Program) -> Option<Model> {
         d.set("reflectance", ks, "Ks");
         return Some(Model::Mirror);
     }
-    if is_reflectance && !coat && error > SHARE {
+    if is_reflectance && error > SHARE {
         let text = format!(
             "a diffuse surface reflects Fresnel's {} straight on: off by {}, and so it has no equal here",
             show(f0),
@@ -397,11 +397,22 @@ fn colour_note(d: &mut Draft, role: &str, fate: Fate, text: impl Into<String>) {
     }
 }
 
-/// Sets α and the distribution at their paths by the file's Pr or Ns, if there is one.
-fn alpha(d: &mut Draft, program: Program, [path, distribution]: [&'static str; 2]) -> Option<f64> {
+/// Sets α and the distribution at their paths by the file's Pr or Ns, if there is one; those of a metal, be it below
+/// a coat, or of the surface.
+fn alpha(
+    d: &mut Draft,
+    program: Program,
+    [path, distribution]: [&'static str; 2],
+    coat: bool,
+) -> Option<f64> {
     if let Some([roughness, ..]) = d.given("Pr") {
         let alpha = roughness * roughness;
-        d.exact("Pr", format!("perceptual: α = r² = {} of GGX", show(alpha)));
+        let text = format!("perceptual: α = r² = {} of GGX", show(alpha));
+        if coat {
+            let text = format!("{text}; its highlight is {USUAL_ETA} times as wide above the coat");
+            d.converted("Pr", text);
+        }
+        d.exact("Pr", text);
         d.exact("Ns", "Pr is in its place");
         d.set(path, alpha, "Pr");
         d.set(distribution, "ggx", "Pr");
@@ -464,7 +475,7 @@ fn transmitting(d: &mut Draft, program: Program, illum: u8, glass: bool, diffuse
     d.set("alpha", 0.0, "Ns");
     // Blender's Ns is of the surface, an exponent of the highlights alone.
     if d.given("Pr").is_some() || program != Program::Unknown {
-        alpha(d, program, ["alpha", "distribution"]);
+        alpha(d, program, ["alpha", "distribution"], false);
     }
     d.dropped("Ns", "refraction is sharp in this illumination model; highlights of lights are with it");
     Some(Model::Glass)
@@ -487,14 +498,16 @@ fn conductor(d: &mut Draft, program: Program, f0: [f64; 3], role: &str, coat: bo
     d.set("eta", fit.eta.map(|eta| eta * scale), role);
     d.set("k", fit.k.map(|k| k * scale), role);
     let text = format!("η and k of Schlick's formula at 0° and 82°; elsewhere {}", fit.error_in_words());
-    if coat {
-        let text =
-            format!("{text}; below the coat at the refracted angle, and what the coat returns is darker");
-        colour_note(d, role, Fate::Converted, text);
-        let text = format!("α = r²; the highlight is {USUAL_ETA} times as wide above the coat");
-        d.note(&["Pr"], Fate::Converted, text);
-    }
-    colour_note(d, role, fit.fate(), text);
+    let (fate, text) = if coat {
+        let darker = show(lost_to_coat(f0, USUAL_ETA));
+        let text = format!(
+            "{text}; below the coat at the refracted angle; darker by up to {darker} by what the coat returns"
+        );
+        (Fate::Converted, text)
+    } else {
+        (fit.fate(), text)
+    };
+    colour_note(d, role, fate, text);
     d.exact("Ni", "η and k follow from the colour of a metal");
     d.dropped("Ks", "a metal's highlight has the colour of the metal");
     d.exact("Kd", "no diffuse reflection");
@@ -502,7 +515,7 @@ fn conductor(d: &mut Draft, program: Program, f0: [f64; 3], role: &str, coat: bo
         d.set("alpha", 0.0, "Ks");
         Some(0.0)
     } else {
-        alpha(d, program, ["alpha", "distribution"])
+        alpha(d, program, ["alpha", "distribution"], coat)
     };
     let aniso = d.given("aniso").map_or(0.0, |aniso| aniso[0]);
     if aniso > 0.0 && alpha != Some(0.0) {
@@ -566,7 +579,7 @@ fn opaque(
         }
         d.set("coat.eta", eta, "Ni");
         d.exact("Ni", "index of refraction η");
-        alpha(d, program, ["coat.alpha", "coat.distribution"]);
+        alpha(d, program, ["coat.alpha", "coat.distribution"], false);
         let f0 = f0_of(eta);
         let mut text =
             format!("the strength of the highlight is Fresnel's: {} straight on, more at an angle", show(f0));

@@ -12,8 +12,8 @@
 
 use super::{
     CLEAR, Draft, FINITE, Fate, INDEX, Imported, Key, Kind, POSITIVE, SHARE, absorbance, below, f0_of,
-    gulbrandsen, largest, metal_like_f82, product, returned_inside, show, show_colour, smallest,
-    weighted_index,
+    gulbrandsen, largest, lost_to_coat, metal_like_f82, product, returned_inside, show, show_colour,
+    smallest, weighted_index,
 };
 use crate::fresnel::dielectric;
 use crate::material::Model;
@@ -498,13 +498,8 @@ fn conductor(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
         fate = Fate::Converted;
         text = format!("{text}; below the coat at the refracted angle");
         edge = (fate, format!("{}; below the coat at the refracted angle", edge.1));
-        // ρ less ρ (1 − K) / (1 − ρ K): at most, of facets that scatter as widely as a diffuser.
-        let returned = if immersed >= 1.0 { returned_inside(immersed) } else { 0.0 };
         let metal_weight = if shader == Shader::OpenPbr { weight } else { 1.0 };
-        let darker = largest(base.map(|c| {
-            let rho = c * metal_weight;
-            if rho < 1.0 { returned * rho * (1.0 - rho) / (1.0 - rho * returned) } else { 0.0 }
-        }));
+        let darker = lost_to_coat(base.map(|c| c * metal_weight), immersed);
         if shader == Shader::OpenPbr {
             let kept = (1.0 - d.number("coat_darkening")) * darker;
             let help = "set coat_darkening to 1, as light that the coat returns is followed here";
@@ -576,7 +571,7 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
         Shader::OpenPbr => (weighted_index(given, weight), tint),
         _ => (given, tint.map(|c| c * weight)),
     };
-    let eta_role = if eta == given { "ior" } else { "specular_weight" };
+    let eta_role = weighted_role(d, eta != given);
     d.set("eta", eta, eta_role);
     d.exact("ior", "index of refraction η");
     let depth = d.number("transmission_depth");
@@ -625,12 +620,9 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
         // glTF's sheet is what has no thickness, which the file need not say.
         d.rather(if shader == Shader::Gltf { "transmission" } else { "thin_walled" }, Fate::Converted, text);
         d.exact(passes_role, "multiplies what passes");
-        let roles = if shader == Shader::OpenPbr || reflection == tint {
-            ["specular_color"; 2]
-        } else {
-            ["specular_weight", "specular_color"]
-        };
-        d.lacks(&roles, tinted * 2.0 * r / (1.0 + r), "a tint of what a sheet reflects");
+        let tints = ["specular_weight", "specular_color"];
+        let roles = if reflection == tint { &tints[1..] } else { &tints };
+        d.lacks(roles, tinted * 2.0 * r / (1.0 + r), "a tint of what a sheet reflects");
         if shader == Shader::OpenPbr && weight != 1.0 {
             d.exact("specular_weight", format!("scales F at 0°: η = {}", show(eta)));
         }
@@ -702,6 +694,12 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
     Some(Model::Glass)
 }
 
+/// The input that an index comes from, which may be weighted.
+fn weighted_role(d: &Draft, is_weighted: bool) -> &'static str {
+    let mut weights = ["specular_weight", "specular_color"].into_iter().filter(|_| is_weighted);
+    weights.find(|role| d.given(role).is_some()).unwrap_or("ior")
+}
+
 /// By how much one index for all colours is wrong.
 fn dispersion(shader: Shader, d: &mut Draft, eta: f64) {
     let number = d.number("dispersion");
@@ -747,13 +745,15 @@ fn opaque(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
         d.note(&highlight, Fate::Exact, "no highlight below the coat");
         let returned = returned_inside(eta);
         let darkening = d.number("coat_darkening");
-        let fate = if darkening == 0.0 { Fate::Exact } else { Fate::Converted };
+        if darkening == 0.0 {
+            d.exact("coat_darkening", "light that the coat returns is in the colour of the base");
+        }
         let text = format!(
             "light that the coat returns, K = {} of the mean reflectance; the graph has K = {} of F at 0°",
             show(returned),
             show(1.0 - (1.0 - f0_of(eta)) / (eta * eta))
         );
-        d.note(&["coat_darkening"], fate, text);
+        d.converted("coat_darkening", text);
         let darkened = diffuse.map(|rho| {
             let darker = (1.0 - returned) / (1.0 - rho * returned);
             rho * (1.0 - darkening + darkening * darker)
@@ -770,8 +770,7 @@ fn opaque(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
         let alphas = alphas(shader, d, false);
         let alpha = level(d, alphas);
         eta = weighted_index(ior, weight);
-        let eta_role =
-            if eta == ior || d.given("specular_weight").is_none() { "ior" } else { "specular_weight" };
+        let eta_role = weighted_role(d, eta != ior);
         d.set("coat.eta", eta, eta_role);
         d.set("coat.alpha", alpha, "roughness");
         d.set("coat.distribution", "ggx", "roughness");
