@@ -563,8 +563,8 @@ fn colours_are_decoded_into_linear_rec_709() {
 /// An input that no arm of the translation knows would be told as without effect.
 #[test]
 fn every_input_of_every_shader_has_its_fate() {
-    // The fate of an input (x: refused at its place, o: at that of another), the input at a value that is not the default, and the others
-    // that make it count.
+    // The fate of an input (x: refused at its place, o: at that of another), the input at a value that is not
+    // the default, and the others that make it count.
     let cases = [
         (
             "standard_surface",
@@ -734,7 +734,6 @@ fn the_alpha_of_gltf_is_read_by_its_mode() {
 /// (1 − F) c ρ at every angle, as the graph multiplies what is below the coat by its colour.
 #[test]
 fn a_coloured_coat_returns_the_share_that_the_file_means() {
-    let ks = 0.04;
     for (format, inputs, seen) in [
         (
             "standard_surface",
@@ -748,9 +747,16 @@ fn a_coloured_coat_returns_the_share_that_the_file_means() {
             [0.4, 0.72, 0.5],
         ),
         ("gltf_pbr", "metallic=0;specular=0;base_color=0.8,0.8,0.5;clearcoat=1", [0.8, 0.8, 0.5]),
+        // Darkened as well, by (1 − K) / (1 − ρ K).
+        (
+            "open_pbr_surface",
+            "specular_weight=0;base_color=0.8,0.8,0.5;coat_weight=1;coat_color=0.5,0.9,1;coat_ior=1.5",
+            [(0.8, 0.5), (0.8, 0.9), (0.5, 1.0)]
+                .map(|(rho, c)| c * rho * ESCAPES_1_5 / (1.0 - rho * (1.0 - ESCAPES_1_5))),
+        ),
     ] {
         let plastic = only(shader(format, inputs)).description.material::<f64>().unwrap();
-        assert_near(plastic.albedo(glam::DVec3::Z).0, seen.map(|seen| ks + (1.0 - ks) * seen), 1e-4);
+        assert_near(plastic.albedo(glam::DVec3::Z).0, seen.map(|seen| 0.04 + 0.96 * seen), 1e-4);
         let f = dielectric(0.4, 1.5).reflectance.unpolarized();
         let wo = glam::DVec3::new(f64::sqrt(1.0 - 0.16), 0.0, 0.4);
         assert_near(plastic.albedo(wo).0, seen.map(|seen| f + (1.0 - f) * seen), 1e-4);

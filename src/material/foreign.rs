@@ -3,15 +3,16 @@
 //! A file says more, less and other things than a [`Description`] does. Every key that it sets is in the
 //! table of losses once: carried without error ([`Fate::Exact`]), by a rule whose error the table states
 //! ([`Fate::Converted`]), or left out ([`Fate::Dropped`]). What would be wrong by more than a tenth of the
-//! light is not imported: half a metal has no equal among the materials of the thesis. The exception is Ks of
-//! `.mtl` outside of the illumination models of reflection: in practice it is a strength without a unit, so that
-//! the highlight is Fresnel's and the table states by how much the two differ.
+//! light is not imported: half a metal has no equal among the materials of the thesis. The exception is Ks
+//! of `.mtl` outside of the illumination models of reflection: in practice it is a strength without a unit,
+//! so that the highlight is Fresnel's and the table states by how much the two differ.
 //!
 //! # What becomes what
 //! | in the file | here |
 //! |---|---|
 //! | diffuse colour without a highlight | matte |
 //! | diffuse colour below a highlight or a coat | plastic, the colour raised to that below the interface |
+//! | colour of a coat over a diffuse colour; over a metal | in that colour; absorbance of the coat |
 //! | metal by its colour at 0° and at its edge | metal, η and k per channel |
 //! | the same below a coat | car paint, η and k times the index of the coat, which divides them again |
 //! | a transmitting body; a thin one | glass; thin glass |
@@ -420,8 +421,8 @@ fn returned_inside(eta: f64) -> f64 {
     (1.0 - (1.0 - mean) / (eta * eta)).max(0.0)
 }
 
-/// What a metal of reflectance ρ at 0° loses at most to a coat that returns the share K of its light, and that a
-/// file without internal reflections does not: ρ − ρ (1 − K) / (1 − ρ K). Smooth metals lose less.
+/// What a metal of reflectance ρ at 0° loses at most to a coat that returns the share K of its light, where a
+/// file has no internal reflections: ρ − ρ (1 − K) / (1 − ρ K). Smooth metals lose less.
 fn lost_to_coat(f0: [f64; 3], eta: f64) -> f64 {
     // A coat of another index is refused as such.
     let returned = if eta >= 1.0 { returned_inside(eta) } else { 0.0 };

@@ -397,8 +397,7 @@ fn colour_note(d: &mut Draft, role: &str, fate: Fate, text: impl Into<String>) {
     }
 }
 
-/// Sets α and the distribution at their paths by the file's Pr or Ns, if there is one; those of a metal, be it below
-/// a coat, or of the surface.
+/// Sets α and the distribution at their paths by the file's Pr or Ns, if there is one.
 fn alpha(
     d: &mut Draft,
     program: Program,

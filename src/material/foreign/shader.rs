@@ -1,14 +1,15 @@
 //! What the inputs of `standard_surface`, `open_pbr_surface` and `gltf_pbr` mean here.
 //!
-//! The definitions are the graphs of the MaterialX library (`libraries/bxdf`). Their inputs for the inside of
-//! bodies, for thin walls and for dispersion, which the graphs leave to the renderer, are those of I. Georgiev
-//! et al., "Autodesk Standard Surface" 1.0.1, 2019; Z. Andersson et al., "OpenPBR Surface specification" 1.1,
+//! The definitions are the graphs of the MaterialX library (`libraries/bxdf`). The inputs for the inside of
+//! bodies, thin walls and dispersion, which the graphs leave to the renderer, are those of I. Georgiev et
+//! al., "Autodesk Standard Surface" 1.0.1, 2019; Z. Andersson et al., "OpenPBR Surface specification" 1.1,
 //! ASWF 2024; Khronos, "glTF 2.0" with KHR_materials_volume, appendix B. Of OpenPBR the specification wins,
-//! and the table of losses says so, for the weight of a metal (once; the graph has it twice at the edge), for
-//! light that a coat returns (the mean reflectance of the interface in place of F at 0°; over metals, by their
-//! roughness) and for the colour of a coat over a metal (by the way inside). The three share their structure,
-//! so that one table of roles serves all. The library's shaders give back what single scattering loses at
-//! rough facets: here `scattering` = all, where a model has it.
+//! and the table of losses says so, for the weight of a metal (once; the graph has it twice at the edge),
+//! for light that a coat returns (the mean reflectance of the interface in place of F at 0°; over metals by
+//! their roughness) and for the colour of a coat over a metal (by the way inside; over a diffuse base the
+//! graph wins, whose colour is the same at every angle). The three share their structure, so that one table
+//! of roles serves all. The library's shaders give back what single scattering loses at rough facets: here
+//! `scattering` = all, where a model has it.
 
 use super::{
     CLEAR, Draft, FINITE, Fate, INDEX, Imported, Key, Kind, POSITIVE, SHARE, absorbance, below, f0_of,
@@ -644,7 +645,8 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
         d.note(&["specular_weight", "specular_color"], Fate::Converted, text);
     }
     if refracted != reflected {
-        // The total variation between the slopes of two GGX surfaces. What is clear either way is not blurred.
+        // The total variation between the slopes of two GGX surfaces, (b − a) / (a + b). What is clear either
+        // way is not blurred.
         let [low, high] = [reflected.min(refracted), reflected.max(refracted)];
         let moved = if high <= CLEAR { 0.0 } else { (high - low) / (high + low) };
         let text = format!(
