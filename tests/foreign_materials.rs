@@ -925,6 +925,9 @@ fn a_metal_below_a_coat_is_seen_through_refraction() {
         ),
         ("open_pbr_surface", "coat_darkening=1;coat_weight=1;base_metalness=1", "c", "specification"),
         ("open_pbr_surface", "coat_darkening=1;coat_weight=1", "c", "mean reflectance"),
+        ("open_pbr_surface", "coat_darkening=0;coat_weight=1", "e", "in the colour of the base"),
+        ("open_pbr_surface", "coat_color=1,1,1;coat_weight=1", "e", "at every angle"),
+        ("open_pbr_surface", "coat_color=0.5,1,1;coat_weight=1", "c", "by the specification more"),
         ("standard_surface", "coat_color=0.5,0.5,0.5;coat=1;metalness=1", "c", "at an angle"),
         ("open_pbr_surface", "coat_color=0.5,0.5,0.5;coat_weight=1;base_metalness=1", "c", "at an angle"),
         ("open_pbr_surface", "specular_weight=0.5;base_metalness=1", "c", "the graph has it twice"),
@@ -1372,6 +1375,16 @@ fn numbers_from_the_ends_of_their_ranges_are_read_or_refused() {
             }
             mtl(&format!("newmtl a\n{text}"))
         } else {
+            // Most keys count below a coat, in a metal or in glass alone.
+            let metal_coat_glass = [
+                ["metalness=1;", "coat=1;", "transmission=1;"],
+                ["base_metalness=1;", "coat_weight=1;", "transmission_weight=1;"],
+                ["metallic=0;thickness=1;", "clearcoat=1;", "metallic=0;transmission=1;thickness=1;"],
+            ][i % 4];
+            let [metal, coat, glass] = metal_coat_glass;
+            text += [String::new(), metal.into(), coat.into(), glass.into(), format!("{metal}{coat}")]
+                [random.random_range(0..5)]
+            .as_str();
             for numbers in &numbers[..count] {
                 let (key, default) = keys[i % 4][random.random_range(0..keys[i % 4].len())];
                 let value = match default {

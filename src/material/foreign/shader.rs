@@ -762,7 +762,7 @@ fn opaque(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
         });
         // The graph multiplies what is below the coat, at every angle.
         seen = product(darkened, d.colour("coat_color"));
-        if shader == Shader::OpenPbr {
+        if shader == Shader::OpenPbr && d.colour("coat_color") != [1.0; 3] {
             let text = "multiplies the reflectance as in the graph; by the specification more at an angle";
             d.converted("coat_color", text);
         } else {
