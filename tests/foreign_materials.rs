@@ -53,13 +53,17 @@ fn only((materials, findings): Read) -> Imported {
 }
 
 /// One shader of MaterialX with inputs in the form `name=value;name=value`.
-fn shader(element: &str, inputs: &str) -> Read {
+fn shader_text(element: &str, inputs: &str) -> String {
     let mut text = format!("<materialx version=\"1.39\"><{element} name=\"it\" type=\"surfaceshader\">");
     for input in inputs.split(';').filter(|input| !input.is_empty()) {
         let (name, value) = input.split_once('=').unwrap();
         write!(text, "<input name=\"{name}\" value=\"{value}\"/>").unwrap();
     }
-    materialx(&format!("{text}</{element}></materialx>"))
+    format!("{text}</{element}></materialx>")
+}
+
+fn shader(element: &str, inputs: &str) -> Read {
+    materialx(&shader_text(element, inputs))
 }
 
 fn number(material: &Imported, path: &str) -> f64 {
@@ -305,9 +309,10 @@ fn standard_surface_becomes_what_it_means() {
 
     let paint = material(file, "Car_Paint");
     assert_eq!(paint.description.model(), Model::Plastic);
-    assert_near(colour(&paint, "coat.absorbance"), [0.8, 0.9, 1.0].map(|c: f64| -0.5 * c.ln() + 0.0), 1e-15);
-    assert_eq!((number(&paint, "coat.thickness"), number(&paint, "coat.alpha")), (1.0, 0.0));
-    assert_eq!(fates(&paint), "ccdece");
+    let seen = [0.5 * 0.103_779_2 * 0.8, 0.5 * 0.592_120_29 * 0.9, 0.5 * 0.850_649_36];
+    assert_near(colour(&paint, "reflectance"), seen.map(below_1_5), 1e-9);
+    assert_eq!(number(&paint, "coat.alpha"), 0.0);
+    assert_eq!(fates(&paint), "ccdeee");
 
     let clay = material(file, "Clay");
     assert_model(&clay, Model::Matte, &["reflectance", "sigma_rad"]);
@@ -441,12 +446,10 @@ fn gltf_pbr_becomes_what_it_means() {
 }
 
 /// The defaults of the definitions in the MaterialX library. Vectors have none that a file could repeat.
-#[test]
-fn an_input_at_its_default_loses_nothing() {
-    for (element, inputs) in [
-        (
-            "standard_surface",
-            "base=1.0;base_color=0.8,0.8,0.8;diffuse_roughness=0;metalness=0;specular=1;\
+const DEFAULTS: [(&str, &str); 3] = [
+    (
+        "standard_surface",
+        "base=1.0;base_color=0.8,0.8,0.8;diffuse_roughness=0;metalness=0;specular=1;\
              specular_color=1,1,1;specular_roughness=0.2;specular_IOR=1.5;specular_anisotropy=0;\
              specular_rotation=0;transmission=0;transmission_color=1,1,1;transmission_depth=0;\
              transmission_scatter=0,0,0;transmission_scatter_anisotropy=0;\
@@ -456,10 +459,10 @@ fn an_input_at_its_default_loses_nothing() {
              coat_color=1,1,1;coat_roughness=0.1;coat_anisotropy=0.0;coat_rotation=0.0;\
              coat_IOR=1.5;coat_affect_color=0;coat_affect_roughness=0;thin_film_thickness=0;\
              thin_film_IOR=1.5;emission=0;emission_color=1,1,1;opacity=1,1,1;thin_walled=false",
-        ),
-        (
-            "open_pbr_surface",
-            "base_weight=1.0;base_color=0.8,0.8,0.8;base_diffuse_roughness=0.0;base_metalness=0.0;\
+    ),
+    (
+        "open_pbr_surface",
+        "base_weight=1.0;base_color=0.8,0.8,0.8;base_diffuse_roughness=0.0;base_metalness=0.0;\
              specular_weight=1.0;specular_color=1,1,1;specular_roughness=0.3;specular_ior=1.5;\
              specular_roughness_anisotropy=0.0;transmission_weight=0.0;transmission_color=1,1,1;\
              transmission_depth=0.0;transmission_scatter=0,0,0;\
@@ -471,16 +474,20 @@ fn an_input_at_its_default_loses_nothing() {
              coat_roughness=0.0;coat_roughness_anisotropy=0.0;coat_ior=1.6;coat_darkening=1.0;\
              thin_film_weight=0;thin_film_thickness=0.5;thin_film_ior=1.4;emission_luminance=0.0;\
              emission_color=1,1,1;geometry_opacity=1;geometry_thin_walled=false",
-        ),
-        (
-            "gltf_pbr",
-            "base_color=1,1,1;metallic=1;roughness=1;occlusion=1;transmission=0;specular=1;\
+    ),
+    (
+        "gltf_pbr",
+        "base_color=1,1,1;metallic=1;roughness=1;occlusion=1;transmission=0;specular=1;\
              specular_color=1,1,1;ior=1.5;alpha=1;alpha_mode=0;alpha_cutoff=0.5;iridescence=0;\
              iridescence_ior=1.3;iridescence_thickness=100;sheen_color=0,0,0;sheen_roughness=0;\
              clearcoat=0;clearcoat_roughness=0;emissive=0,0,0;emissive_strength=1;thickness=0;\
              attenuation_color=1,1,1",
-        ),
-    ] {
+    ),
+];
+
+#[test]
+fn an_input_at_its_default_loses_nothing() {
+    for (element, inputs) in DEFAULTS {
         let material = only(shader(element, inputs));
         assert_eq!(material.losses.len(), inputs.split(';').count(), "{element}");
         for loss in &material.losses {
@@ -513,26 +520,29 @@ fn colours_are_decoded_into_linear_rec_709() {
         );
         colour(&only(materialx(&text)), "reflectance")
     };
-    for space in [
-        "lin_rec709",
-        "none",
-        "srgb_texture",
-        "g18_rec709",
-        "gamma18",
-        "g22_rec709",
-        "gamma22",
-        "rec709_display",
-        "gamma24",
-        "acescg",
-        "lin_ap1",
-        "g22_ap1",
-        "lin_displayp3",
-        "srgb_displayp3",
-        "lin_adobergb",
-        "adobergb",
+    // A half in each: itself, IEC 61966-2-1, or the power of the name (of Adobe RGB 563 / 256).
+    let srgb = 0.214_041_140_482_232_6;
+    for (space, half) in [
+        ("lin_rec709", 0.5),
+        ("none", 0.5),
+        ("srgb_texture", srgb),
+        ("g18_rec709", 0.287_174_588_749_259),
+        ("gamma18", 0.287_174_588_749_259),
+        ("g22_rec709", 0.217_637_640_824_031),
+        ("gamma22", 0.217_637_640_824_031),
+        ("rec709_display", 0.189_464_570_813_798),
+        ("gamma24", 0.189_464_570_813_798),
+        ("acescg", 0.5),
+        ("lin_ap1", 0.5),
+        ("g22_ap1", 0.217_637_640_824_031),
+        ("lin_displayp3", 0.5),
+        ("srgb_displayp3", srgb),
+        ("lin_adobergb", 0.5),
+        ("adobergb", 0.217_755_528_144_395),
     ] {
         assert_eq!(in_space(space, "1,1,1"), [1.0; 3], "{space}");
         assert_eq!(in_space(space, "0,0,0"), [0.0; 3], "{space}");
+        assert_near(in_space(space, "0.5,0.5,0.5"), [half; 3], 1e-12);
     }
     // Primaries at half strength over grey have the chromaticities of their space.
     for (space, primaries) in [
@@ -552,90 +562,426 @@ fn colours_are_decoded_into_linear_rec_709() {
 
 /// An input that no arm of the translation knows would be told as without effect.
 #[test]
-fn every_input_of_every_shader_has_an_effect_or_is_lost_somewhere() {
-    // The inputs, each at a value that is not the default, and behind a space the others that make it count.
+fn every_input_of_every_shader_has_its_fate() {
+    // The fate of an input (x: refused at its place, o: at that of another), the input at a value that is not
+    // the default, and the others that make it count.
     let cases = [
         (
             "standard_surface",
-            "base=0.5 | base_color=0.1,0.2,0.3 | diffuse_roughness=0.3 | metalness=1 | \
-             specular=0.5 | specular_color=0.5,0.6,0.7 | specular_roughness=0.4 | specular_IOR=1.6 | \
-             specular_anisotropy=0.5 | specular_rotation=0.1 metalness=1;specular_anisotropy=0.5 | \
-             transmission=1 | transmission_color=0.5,0.5,0.5 transmission=1 | \
-             transmission_depth=2 transmission=1;transmission_color=0.5,0.5,0.5 | \
-             transmission_scatter=1,1,1 transmission=1 | transmission_dispersion=30 transmission=1 | \
-             transmission_extra_roughness=0.1 transmission=1 | subsurface=0.5 | \
-             subsurface_color=0.5,0.4,0.3 subsurface=0.5 | subsurface_radius=2,2,2 subsurface=0.5 | \
-             subsurface_scale=2 subsurface=0.5 | subsurface_anisotropy=0.2 subsurface=0.5 | \
-             sheen=0.05 | coat=1 | coat_color=0.5,0.6,0.7 coat=1 | coat_roughness=0.2 coat=1 | \
-             coat_anisotropy=0.2 coat=1 | coat_rotation=0.2 coat=1;coat_anisotropy=0.2 | \
-             coat_IOR=1.4 coat=1 | coat_normal=0,0,1 | coat_affect_color=0.5 coat=1 | \
-             coat_affect_roughness=0.5 coat=1;metalness=1 | thin_film_thickness=300 | emission=1 | \
-             emission_color=0.5,0.5,0.5 emission=1 | opacity=0.95,0.95,0.95 | \
-             thin_walled=true transmission=1;specular_roughness=0 | normal=0,0,1 | tangent=1,0,0 | \
-             sheen_color=0.5,0.5,0.5 sheen=0.05 | sheen_roughness=0.5 sheen=0.05 | \
-             thin_film_IOR=1.4 thin_film_thickness=300 | coat_color=0.5,0.5,0.5 coat=0.05 | \
-             transmission_depth=3 transmission=0.05",
+            "c base=0.5 | c base_color=0.1,0.2,0.3 | c diffuse_roughness=0.3 | e metalness=1 | \
+             c specular=0.5 | d specular_color=0.5,0.6,0.7 | e specular_roughness=0.4 | \
+             e specular_IOR=1.6 | d specular_anisotropy=0.5 | \
+             c specular_rotation=0.1 metalness=1;specular_anisotropy=0.5 | e transmission=1 | \
+             e transmission_color=0.5,0.5,0.5 transmission=1 | \
+             e transmission_depth=2 transmission=1;transmission_color=0.5,0.5,0.5 | \
+             x transmission_scatter=1,1,1 transmission=1;transmission_depth=1 | \
+             d transmission_dispersion=30 transmission=1 | \
+             x transmission_extra_roughness=0.1 transmission=1 | c subsurface=0.5 | \
+             c subsurface_color=0.5,0.4,0.3 subsurface=0.5 | \
+             d subsurface_radius=2,2,2 subsurface=0.5 | d subsurface_scale=2 subsurface=0.5 | \
+             d subsurface_anisotropy=0.2 subsurface=0.5 | d sheen=0.05 | e coat=1 | \
+             e coat_color=0.5,0.6,0.7 coat=1 | e coat_roughness=0.2 coat=1 | \
+             d coat_anisotropy=0.2 coat=1 | d coat_rotation=0.2 coat=1;coat_anisotropy=0.2 | \
+             e coat_IOR=1.4 coat=1 | d coat_normal=0,0,1 | e coat_affect_color=0.5 coat=1 | \
+             e coat_affect_roughness=0.5 coat=1;metalness=1 | x thin_film_thickness=300 | \
+             d emission=1 | d emission_color=0.5,0.5,0.5 emission=1 | d opacity=0.95,0.95,0.95 | \
+             c thin_walled=true transmission=1;specular_roughness=0 | d normal=0,0,1 | \
+             d tangent=1,0,0 | d sheen_color=0.5,0.5,0.5 sheen=0.05 | \
+             d sheen_roughness=0.5 sheen=0.05 | o thin_film_IOR=1.4 thin_film_thickness=300 | \
+             d coat_color=0.5,0.5,0.5 coat=0.05 | d transmission_depth=3 transmission=0.05",
         ),
         (
             "open_pbr_surface",
-            "base_weight=0.5 | base_color=0.1,0.2,0.3 | base_diffuse_roughness=0.3 | \
-             base_metalness=1 | specular_weight=0.5 | specular_color=0.5,0.6,0.7 | \
-             specular_roughness=0.4 | specular_ior=1.6 | specular_roughness_anisotropy=0.5 | \
-             transmission_weight=1 | transmission_color=0.5,0.5,0.5 transmission_weight=1 | \
-             transmission_depth=2 transmission_weight=1;transmission_color=0.5,0.5,0.5 | \
-             transmission_scatter=1,1,1 transmission_weight=1 | \
-             transmission_dispersion_scale=1 transmission_weight=1 | \
-             transmission_dispersion_abbe_number=30 transmission_weight=1;transmission_dispersion_scale=1 | \
-             subsurface_weight=0.5 | subsurface_color=0.5,0.4,0.3 subsurface_weight=0.5 | \
-             subsurface_radius=2 subsurface_weight=0.5 | \
-             subsurface_radius_scale=1,1,1 subsurface_weight=0.5 | \
-             subsurface_scatter_anisotropy=0.2 subsurface_weight=0.5 | fuzz_weight=0.05 | \
-             coat_weight=1 | coat_color=0.5,0.6,0.7 coat_weight=1 | \
-             coat_roughness=0.2 coat_weight=1 | coat_roughness_anisotropy=0.2 coat_weight=1 | \
-             coat_ior=1.4 coat_weight=1 | coat_darkening=0.5 coat_weight=1 | \
-             coat_darkening=0.5 coat_weight=1;base_metalness=1 | thin_film_weight=0.05 | \
-             emission_luminance=1 | geometry_opacity=0.95 | \
-             geometry_thin_walled=true transmission_weight=1;specular_roughness=0 | \
-             geometry_normal=0,0,1 | geometry_coat_normal=0,0,1 | geometry_tangent=1,0,0 | \
-             geometry_coat_tangent=1,0,0 | fuzz_color=0.5,0.5,0.5 fuzz_weight=0.05 | \
-             fuzz_roughness=0.2 fuzz_weight=0.05 | thin_film_thickness=0.3 thin_film_weight=0.05 | \
-             thin_film_ior=1.5 thin_film_weight=0.05 | \
-             transmission_scatter_anisotropy=0.5 transmission_weight=1;transmission_scatter=1,1,1",
+            "c base_weight=0.5 | c base_color=0.1,0.2,0.3 | c base_diffuse_roughness=0.3 | \
+             e base_metalness=1 | e specular_weight=0.5 | d specular_color=0.5,0.6,0.7 | \
+             e specular_roughness=0.4 | e specular_ior=1.6 | d specular_roughness_anisotropy=0.5 | \
+             e transmission_weight=1 | e transmission_color=0.5,0.5,0.5 transmission_weight=1 | \
+             e transmission_depth=2 transmission_weight=1;transmission_color=0.5,0.5,0.5 | \
+             x transmission_scatter=1,1,1 transmission_weight=1;transmission_depth=1 | \
+             d transmission_dispersion_scale=1 transmission_weight=1 | \
+             d transmission_dispersion_abbe_number=30 transmission_weight=1;transmission_dispersion_scale=1 | \
+             c subsurface_weight=0.5 | c subsurface_color=0.5,0.4,0.3 subsurface_weight=0.5 | \
+             d subsurface_radius=2 subsurface_weight=0.5 | \
+             d subsurface_radius_scale=1,1,1 subsurface_weight=0.5 | \
+             d subsurface_scatter_anisotropy=0.2 subsurface_weight=0.5 | d fuzz_weight=0.05 | \
+             e coat_weight=1 | c coat_color=0.5,0.6,0.7 coat_weight=1 | \
+             e coat_roughness=0.2 coat_weight=1 | d coat_roughness_anisotropy=0.2 coat_weight=1 | \
+             e coat_ior=1.4 coat_weight=1 | c coat_darkening=0.5 coat_weight=1 | \
+             x coat_darkening=0.5 coat_weight=1;base_metalness=1 | d thin_film_weight=0.05 | \
+             d emission_luminance=1 | d geometry_opacity=0.95 | \
+             c geometry_thin_walled=true transmission_weight=1;specular_roughness=0 | \
+             d geometry_normal=0,0,1 | d geometry_coat_normal=0,0,1 | d geometry_tangent=1,0,0 | \
+             d geometry_coat_tangent=1,0,0 | d fuzz_color=0.5,0.5,0.5 fuzz_weight=0.05 | \
+             d fuzz_roughness=0.2 fuzz_weight=0.05 | \
+             d thin_film_thickness=0.3 thin_film_weight=0.05 | \
+             d thin_film_ior=1.5 thin_film_weight=0.05 | \
+             o transmission_scatter_anisotropy=0.5 transmission_weight=1;transmission_scatter=1,1,1;transmission_depth=1",
         ),
         (
             "gltf_pbr",
-            "base_color=0.1,0.2,0.3 | metallic=0 | roughness=0.4 | normal=0,0,1 | tangent=1,0,0 | \
-             occlusion=0.5 | transmission=1 metallic=0;roughness=0 | specular=0.5 metallic=0 | \
-             specular_color=0.5,0.6,0.7 metallic=0 | ior=1.6 metallic=0 | alpha=0.95 alpha_mode=2 | \
-             iridescence=0.05 | sheen_color=0.05,0,0 | clearcoat=1 | \
-             clearcoat_roughness=0.2 clearcoat=1 | clearcoat_normal=0,0,1 | emissive=1,1,1 | \
-             emissive_strength=2 emissive=1,1,1 | \
-             attenuation_distance=2 metallic=0;transmission=1;thickness=1;attenuation_color=0.5,0.5,0.5 | \
-             attenuation_color=0.5,0.5,0.5 metallic=0;transmission=1;thickness=1;attenuation_distance=2 | \
-             anisotropy_strength=0.5 roughness=0.3 | \
-             anisotropy_rotation=0.5 roughness=0.3;anisotropy_strength=0.5 | \
-             dispersion=1 metallic=0;transmission=1;thickness=1 | \
-             sheen_roughness=0.2 sheen_color=0.05,0,0 | iridescence_ior=1.5 iridescence=0.05 | \
-             iridescence_thickness=200 iridescence=0.05 | thickness=1 metallic=0;transmission=1 | \
-             alpha_mode=1 alpha=0.5 | alpha_cutoff=0.2 alpha=0.95;alpha_mode=1",
+            "c base_color=0.1,0.2,0.3 | e metallic=0 | e roughness=0.4 | d normal=0,0,1 | \
+             d tangent=1,0,0 | d occlusion=0.5 | c transmission=1 metallic=0;roughness=0 | \
+             c specular=0.5 metallic=0 | d specular_color=0.5,0.6,0.7 metallic=0 | \
+             e ior=1.6 metallic=0 | d alpha=0.95 alpha_mode=2 | d iridescence=0.05 | \
+             d sheen_color=0.05,0,0 | e clearcoat=1 | e clearcoat_roughness=0.2 clearcoat=1 | \
+             d clearcoat_normal=0,0,1 | d emissive=1,1,1 | d emissive_strength=2 emissive=1,1,1 | \
+             e attenuation_distance=2 metallic=0;transmission=1;thickness=1;attenuation_color=0.5,0.5,0.5 | \
+             e attenuation_color=0.5,0.5,0.5 metallic=0;transmission=1;thickness=1;attenuation_distance=2 | \
+             e anisotropy_strength=0.5 roughness=0.3 | \
+             e anisotropy_rotation=0.5 roughness=0.3;anisotropy_strength=0.5 | \
+             d dispersion=1 metallic=0;transmission=1;thickness=1 | \
+             d sheen_roughness=0.2 sheen_color=0.05,0,0 | d iridescence_ior=1.5 iridescence=0.05 | \
+             d iridescence_thickness=200 iridescence=0.05 | \
+             e thickness=1 metallic=0;transmission=1 | e alpha_mode=1 alpha=0.5 | \
+             e alpha_cutoff=0.2 alpha=0.95;alpha_mode=1",
         ),
     ];
     let mut silent = String::new();
     for (element, cases) in cases {
         for case in cases.split(" | ") {
-            let (input, others) = case.split_once(' ').unwrap_or((case, ""));
+            let (fate, case) = case.split_at(1);
+            let (input, others) = case[1..].split_once(' ').unwrap_or((&case[1..], ""));
             let (materials, findings) = shader(element, &format!("{input};{others}"));
             let name = input.split_once('=').unwrap().0;
-            let is_told = match materials.first() {
-                Some(material) => loss(material, name).1 != "without effect on this material",
-                None => findings.iter().all(|finding| finding.code == Code::NoEqual),
+            let found = match materials.first() {
+                Some(material) if loss(material, name).1 == "without effect on this material" => {
+                    "silent".into()
+                }
+                Some(material) => {
+                    let i = material.losses.iter().position(|loss| loss.key.starts_with(name)).unwrap();
+                    fates(material)[i..=i].to_owned()
+                }
+                // At the place of the input.
+                None => {
+                    let text = shader_text(element, &format!("{input};{others}"));
+                    let place = findings[0].span.clone().map_or("", |span| &text[span]);
+                    let is_here = place.contains(&format!("\"{name}\""));
+                    let is_sole = findings.len() == 1 && findings[0].code == Code::NoEqual;
+                    match (is_sole, is_here) {
+                        (true, true) => "x",
+                        (true, false) => "o",
+                        (false, _) => "not the only finding",
+                    }
+                    .to_owned()
+                }
             };
-            if !is_told {
-                writeln!(silent, "{element}: {case}: {findings:?}").unwrap();
+            if found != fate {
+                writeln!(silent, "{element}: {found} {input} {others}").unwrap();
             }
         }
     }
     assert!(silent.is_empty(), "{silent}");
+}
+
+/// One material of `.mtl` with keys in the form `Key=value;Key=value`, or one of a shader.
+fn of_inputs(format: &str, inputs: &str) -> (String, Read) {
+    if format == "mtl" {
+        let lines = inputs.split(';').filter(|input| !input.is_empty());
+        let text = lines.fold("newmtl it\n".to_owned(), |text, line| text + &line.replace('=', " ") + "\n");
+        let read = mtl(&text);
+        return (text, read);
+    }
+    let text = shader_text(format, inputs);
+    let read = materialx(&text);
+    (text, read)
+}
+
+/// What becomes of the first input of each case: its fate as a letter (x: refused as without an equal, m: as
+/// meaningless, each at the place of the input) and a part of what is said.
+fn assert_told(cases: &[(&str, &str, &str, &str)]) {
+    let mut wrong = String::new();
+    for (format, inputs, fate, part) in cases {
+        let (text, (materials, findings)) = of_inputs(format, inputs);
+        let name = inputs.split('=').next().unwrap();
+        let (found, told) = match (materials.first(), findings.first()) {
+            (Some(material), _) => {
+                let of = |key: &str| key == name || key.starts_with(&format!("{name} "));
+                let i = material.losses.iter().position(|loss| of(&loss.key)).unwrap();
+                (fates(material)[i..=i].to_owned(), material.losses[i].text.clone())
+            }
+            (None, Some(finding)) => {
+                let letter = if finding.code == Code::NoEqual { "x" } else { "m" };
+                let place = &text[finding.span.clone().unwrap()];
+                let is_here =
+                    place.contains(&format!("\"{name}\"")) || place.starts_with(&format!("{name} "));
+                let told = if is_here { "" } else { place }.to_owned() + &finding.text;
+                (if is_here { letter } else { "elsewhere" }.to_owned(), told)
+            }
+            (None, None) => panic!("nothing of {text}"),
+        };
+        if found != *fate || !told.contains(part) {
+            writeln!(wrong, "{format} {inputs}: {found} {told}\n  expected {fate} {part}").unwrap();
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+#[test]
+fn the_alpha_of_gltf_is_read_by_its_mode() {
+    assert_told(&[
+        ("gltf_pbr", "alpha=0.6;alpha_mode=1", "e", "not below the cutoff"),
+        ("gltf_pbr", "alpha_cutoff=0.2;alpha=0.6;alpha_mode=1", "e", "not below the cutoff"),
+        ("gltf_pbr", "alpha=0.5;alpha_mode=1", "e", "not below the cutoff"),
+        ("gltf_pbr", "alpha=0.95;alpha_mode=1;alpha_cutoff=0.99", "x", "1 of transparency"),
+        ("gltf_pbr", "alpha=0.95;alpha_mode=2", "d", "0.05 of the light"),
+        ("gltf_pbr", "alpha=0.2;alpha_mode=0", "e", ""),
+        ("gltf_pbr", "alpha_mode=0.5", "m", "not the number of a mode"),
+        ("standard_surface", "opacity=0.9,1,1", "d", "0.1 of the light"),
+        ("standard_surface", "opacity=0.85,1,1", "x", "0.15 of transparency"),
+    ]);
+}
+
+/// (1 − F) c ρ at every angle, as the graph multiplies what is below the coat by its colour.
+#[test]
+fn a_coloured_coat_returns_the_share_that_the_file_means() {
+    for (format, inputs, seen) in [
+        (
+            "standard_surface",
+            "specular=0;base_color=0.8,0.8,0.5;coat=1;coat_color=0.5,0.9,1;coat_roughness=0",
+            [0.4, 0.72, 0.5],
+        ),
+        (
+            "open_pbr_surface",
+            "specular_weight=0;base_color=0.8,0.8,0.5;coat_weight=1;coat_color=0.5,0.9,1;coat_ior=1.5;\
+             coat_darkening=0",
+            [0.4, 0.72, 0.5],
+        ),
+        ("gltf_pbr", "metallic=0;specular=0;base_color=0.8,0.8,0.5;clearcoat=1", [0.8, 0.8, 0.5]),
+        // Darkened as well, by (1 − K) / (1 − ρ K).
+        (
+            "open_pbr_surface",
+            "specular_weight=0;base_color=0.8,0.8,0.5;coat_weight=1;coat_color=0.5,0.9,1;coat_ior=1.5",
+            [(0.8, 0.5), (0.8, 0.9), (0.5, 1.0)]
+                .map(|(rho, c)| c * rho * ESCAPES_1_5 / (1.0 - rho * (1.0 - ESCAPES_1_5))),
+        ),
+    ] {
+        let plastic = only(shader(format, inputs)).description.material::<f64>().unwrap();
+        assert_near(plastic.albedo(glam::DVec3::Z).0, seen.map(|seen| 0.04 + 0.96 * seen), 1e-4);
+        let f = dielectric(0.4, 1.5).reflectance.unpolarized();
+        let wo = glam::DVec3::new(f64::sqrt(1.0 - 0.16), 0.0, 0.4);
+        assert_near(plastic.albedo(wo).0, seen.map(|seen| f + (1.0 - f) * seen), 1e-4);
+    }
+}
+
+#[test]
+fn the_highlight_of_mtl_is_no_more_wrong_than_a_tenth() {
+    for (text, model) in [
+        ("Kd 0.1\nKs 0.9\nillum 3\n", Model::Mirror),
+        ("Kd 0.1 0.05 0\nKs 0.9\nillum 5\n", Model::Metal),
+        // Less is lost as plastic.
+        ("Kd 0.1\nKs 0.05\nillum 3\n", Model::Plastic),
+    ] {
+        assert_eq!(only(mtl(&format!("newmtl a\n{text}"))).description.model(), model, "{text}");
+    }
+    assert_told(&[
+        ("mtl", "Kd=0.1;Ks=0.9;illum=3", "d", "0.1 of the light"),
+        ("mtl", "Ks=0.63 0.55 0.37;Kd=0.75 0.6 0.2;illum=3", "x", "off by 0.59"),
+        ("mtl", "Ks=0.1;Kd=0.75 0.6 0.2;illum=3", "d", "off by 0.06"),
+        ("mtl", "Ks=0.63 0.55 0.37;Kd=0.75 0.6 0.2", "d", "0.59"),
+        ("mtl", "Ks=0.63 0.55 0.37;Kd=0.75 0.6 0.2;illum=2", "d", "0.26 of colour"),
+        ("mtl", "illum=0;Kd=0.5", "c", "without lighting"),
+        ("mtl", "illum=1;Kd=0.5", "e", "chooses the model"),
+    ]);
+}
+
+#[test]
+fn what_light_meets_in_a_transmitting_body_is_told() {
+    let clear = "transmission=1;specular_roughness=0";
+    let thin = "transmission=1;thin_walled=true;specular_roughness=0";
+    let open_thin = "transmission_weight=1;geometry_thin_walled=true;specular_roughness=0";
+    let owned: Vec<(&str, String, &str, &str)> = vec![
+        ("standard_surface", format!("transmission_extra_roughness=1;{thin}"), "x", "α = 1"),
+        ("standard_surface", format!("transmission_extra_roughness=0.05;{thin}"), "d", "taken as clear"),
+        ("standard_surface", format!("transmission_extra_roughness=1;{clear}"), "x", "1 of the light"),
+        ("standard_surface", format!("transmission_extra_roughness=0.05;{clear}"), "d", "α = 0.0025"),
+        (
+            "standard_surface",
+            "transmission_extra_roughness=0.02;transmission=1;specular_roughness=0.3".to_owned(),
+            "d",
+            "0.06445 of the light",
+        ),
+        (
+            "standard_surface",
+            "transmission_extra_roughness=0.1;transmission=1;specular_roughness=0.3".to_owned(),
+            "x",
+            "0.28 of the light",
+        ),
+        ("standard_surface", format!("transmission_scatter=1,1,1;{clear}"), "e", "no interior"),
+        (
+            "standard_surface",
+            format!("transmission_scatter_anisotropy=0.5;transmission_scatter=1,1,1;{clear}"),
+            "e",
+            "no interior",
+        ),
+        (
+            "standard_surface",
+            format!("transmission_scatter=1,1,1;transmission_depth=1;{thin}"),
+            "e",
+            "no interior",
+        ),
+        ("standard_surface", format!("transmission_depth=1;{thin}"), "e", "no interior"),
+        (
+            "standard_surface",
+            format!("transmission_scatter=1,1,1;transmission_depth=1;{clear}"),
+            "x",
+            "scatters within",
+        ),
+        (
+            "open_pbr_surface",
+            "transmission_scatter=1,1,1;transmission_weight=1".to_owned(),
+            "e",
+            "no interior",
+        ),
+        (
+            "standard_surface",
+            "specular_roughness=0.05;transmission=1;thin_walled=true".to_owned(),
+            "d",
+            "taken as clear",
+        ),
+        (
+            "standard_surface",
+            "specular_anisotropy=0.5;specular_roughness=0.05;transmission=1;thin_walled=true".to_owned(),
+            "d",
+            "taken as clear",
+        ),
+        ("open_pbr_surface", format!("specular_weight=0.5;{open_thin}"), "e", "scales F at 0°"),
+        ("open_pbr_surface", format!("specular_color=0.5,1,1;{open_thin}"), "d", "0.03846 of the light"),
+        (
+            "gltf_pbr",
+            "specular_color=1.5,1,1;metallic=0;roughness=0;transmission=1".to_owned(),
+            "d",
+            "0.03846 of the light",
+        ),
+        (
+            "gltf_pbr",
+            "specular_color=3,1,1;metallic=0;roughness=0;transmission=1".to_owned(),
+            "x",
+            "0.1538 of a tint",
+        ),
+        ("gltf_pbr", "transmission=0.95;metallic=0;roughness=0".to_owned(), "d", "wrong by up to 0.05"),
+        ("gltf_pbr", "transmission=0.95;metallic=0;roughness=0".to_owned(), "d", "a sheet with both faces"),
+        (
+            "standard_surface",
+            format!("transmission_color=0,1,1;transmission_depth=1;{clear}"),
+            "m",
+            "infinite",
+        ),
+    ];
+    let cases: Vec<_> = owned.iter().map(|(a, b, c, d)| (*a, b.as_str(), *c, *d)).collect();
+    assert_told(&cases);
+}
+
+#[test]
+fn what_has_no_diffuse_lobe_has_no_diffuse_roughness_and_no_sheen() {
+    assert_told(&[
+        ("standard_surface", "diffuse_roughness=0.5;subsurface=1", "e", "no diffuse lobe"),
+        ("open_pbr_surface", "base_diffuse_roughness=0.5;subsurface_weight=1", "e", "no diffuse lobe"),
+        ("standard_surface", "diffuse_roughness=0.5;subsurface=0.5;specular=0", "c", "0.5 of subsurface"),
+        (
+            "open_pbr_surface",
+            "base_diffuse_roughness=0.5;subsurface_weight=0.5;specular_weight=0",
+            "c",
+            "0.5 of subsurface",
+        ),
+        ("standard_surface", "sheen=1;transmission=1", "e", ""),
+        ("standard_surface", "sheen=1;transmission=0.95;specular_roughness=0", "d", "0.05 of the light"),
+        ("open_pbr_surface", "fuzz_weight=1;transmission_weight=1", "x", "1 of sheen"),
+    ]);
+    let body = only(shader("standard_surface", "diffuse_roughness=0.5;subsurface=1;specular=0"));
+    assert_model(&body, Model::Matte, &["reflectance"]);
+}
+
+#[test]
+fn whole_turns_change_nothing() {
+    let metal = "metalness=1;specular_anisotropy=0.5";
+    let turned = only(shader("standard_surface", &format!("specular_rotation=3.25;{metal}")));
+    assert_abs_diff_eq!(number(&turned, "rotation_deg"), 90.0, epsilon = 1e-9);
+    let turned = only(shader("standard_surface", &format!("specular_rotation=1e300;{metal}")));
+    assert_eq!(number(&turned, "rotation_deg"), 0.0);
+    let radians = "anisotropy_rotation=13;anisotropy_strength=0.5;roughness=0.3";
+    let turned = only(shader("gltf_pbr", radians));
+    assert_abs_diff_eq!(number(&turned, "rotation_deg"), 13_f64.to_degrees() - 720.0, epsilon = 1e-9);
+    let turned = only(mtl("newmtl a\nKd 0.8\nPm 1\nPr 0.3\naniso 0.5\nanisor -2.25\n"));
+    assert_abs_diff_eq!(number(&turned, "rotation_deg"), -90.0, epsilon = 1e-9);
+}
+
+#[test]
+fn a_metal_below_a_coat_is_seen_through_refraction() {
+    assert_told(&[
+        ("standard_surface", "base_color=0.8,0.8,0.8;metalness=1;coat=1", "c", "refracted"),
+        ("standard_surface", "specular_color=0.8,0.8,0.8;metalness=1;coat=1", "c", "refracted"),
+        ("standard_surface", "specular_roughness=0.3;metalness=1;coat=1", "c", "1.5 times as wide"),
+        ("gltf_pbr", "roughness=0.3;clearcoat=1", "c", "1.5 times as wide"),
+        ("mtl", "Kd=0.6;Pm=1;Pc=1;Pr=0.3", "c", "darker by up to 0.2229"),
+        ("mtl", "Pr=0.3;Kd=0.6;Pm=1;Pc=1", "c", "0.09 of GGX; its highlight is 1.5 times as wide"),
+        ("mtl", "Pr=0.3;Kd=0.6;Pm=1", "e", "0.09 of GGX"),
+        ("gltf_pbr", "base_color=0.6,0.6,0.6;clearcoat=1", "c", "darker by up to 0.2229"),
+        ("open_pbr_surface", "coat_darkening=0.4;coat_weight=1;base_metalness=1;coat_ior=1.5", "x", "0.1095"),
+        (
+            "open_pbr_surface",
+            "coat_darkening=0.5;coat_weight=1;base_metalness=1;coat_ior=1.5",
+            "d",
+            "0.09123",
+        ),
+        ("open_pbr_surface", "coat_darkening=1;coat_weight=1;base_metalness=1", "c", "specification"),
+        ("open_pbr_surface", "coat_darkening=1;coat_weight=1", "c", "mean reflectance"),
+        ("open_pbr_surface", "coat_darkening=0;coat_weight=1", "e", "in the colour of the base"),
+        ("open_pbr_surface", "coat_color=1,1,1;coat_weight=1", "e", "at every angle"),
+        ("open_pbr_surface", "coat_color=0.5,1,1;coat_weight=1", "c", "by the specification more"),
+        ("standard_surface", "coat_color=0.5,0.5,0.5;coat=1;metalness=1", "c", "at an angle"),
+        ("open_pbr_surface", "coat_color=0.5,0.5,0.5;coat_weight=1;base_metalness=1", "c", "at an angle"),
+        ("open_pbr_surface", "specular_weight=0.5;base_metalness=1", "c", "the graph has it twice"),
+        ("standard_surface", "base_color=0.995,0.9,0.9;base=1;metalness=1", "c", "0.005"),
+        ("standard_surface", "base_color=0.98,0.9,0.9;base=1;metalness=1", "e", "Gulbrandsen"),
+    ]);
+}
+
+#[test]
+fn the_highlight_at_grazing_angles_is_that_of_the_shader() {
+    assert_told(&[
+        ("standard_surface", "specular=0.5", "c", "at 90° the file has 0.5 in place of 1"),
+        ("standard_surface", "specular_color=0.5,0.5,0.5", "c", "at 90° the file has 0.5 in place of 1"),
+        ("standard_surface", "specular=0.5;specular_color=0.5,0.5,0.5", "c", "0.25 in place"),
+        ("gltf_pbr", "specular=0.5;metallic=0", "c", "at 90° the file has 0.5 in place of 1"),
+        ("gltf_pbr", "specular_color=0.5,0.5,0.5;metallic=0", "e", "scales F at 0°"),
+        ("gltf_pbr", "specular_color=2,2,2;specular=0.5;metallic=0", "c", "at 90° the file has 0.5"),
+        ("gltf_pbr", "specular=0.5;specular_color=2,2,2;metallic=0", "c", "at 90° the file has 0.5"),
+        ("open_pbr_surface", "specular_weight=0.5", "e", "scales F at 0°"),
+        ("open_pbr_surface", "specular_color=0.5,0.5,0.5", "c", "at 90° the file has 0.5 in place of 1"),
+        ("open_pbr_surface", "specular_weight=2;specular_color=0.5,0.5,0.5", "c", "at 90° the file has 0.5"),
+        ("open_pbr_surface", "specular_color=0.5,0.6,0.7", "d", "colour of the highlight is lost"),
+    ]);
+}
+
+/// What a file may say and no parameter here can hold is no mistake of the file.
+#[test]
+fn limits_of_ours_are_not_mistakes_of_the_file() {
+    assert_told(&[
+        ("gltf_pbr", "anisotropy_strength=0.5;roughness=0", "x", ""),
+        (
+            "open_pbr_surface",
+            "specular_roughness_anisotropy=0.5;specular_roughness=1;base_metalness=1",
+            "x",
+            "",
+        ),
+        ("mtl", "aniso=1;Pr=1;Pm=1;Kd=0.8", "x", ""),
+        ("open_pbr_surface", "specular_weight=30", "x", ""),
+        ("gltf_pbr", "specular_color=30,30,30;metallic=0", "x", ""),
+        ("open_pbr_surface", "specular_weight=25;specular_ior=1.5", "x", ""),
+        ("standard_surface", "coat_IOR=0.9;coat=1", "x", ""),
+        ("mtl", "Ni=0;Kd=0.5;Ks=0.5", "m", "index of 0"),
+    ]);
+}
+
+#[test]
+fn names_of_several_lines_are_shown_in_one() {
+    let read = mtl("newmtl a \\\n  b\nKd 0.5\n");
+    assert_eq!(read.0[0].name, "a b");
+    let long = format!("newmtl {}\nKd 0.5\nPm 0.5\n", "n".repeat(200));
+    let (_, findings) = mtl(&long);
+    assert!(findings[0].text.contains(&format!("`{}…`", "n".repeat(80))), "{}", findings[0].text);
+    let (_, findings) = mtl(&format!("newmtl {}\nKd 0.5\nKs 0.5\nNi 0.5\n", "n".repeat(200)));
+    assert!(findings[0].text.contains(&format!("`{}…`", "n".repeat(80))), "{}", findings[0].text);
 }
 
 // Tables of losses and refusals.
@@ -735,7 +1081,7 @@ fn mtl_that_has_no_meaning_here_is_refused_where_it_stands() {
             (ForeignSyntax, "Kd 0.5 0.2", "three numbers, or one for a grey"),
             (NotConstant, "Kd spectral paint.rfl 1.0", "file of spectra"),
             (NoEqual, "d -halo 0.5", "halo"),
-            (Meaningless, "Ni 0", "coat.eta = 0 is out of range"),
+            (Meaningless, "Ni 0", "an index of 0"),
             (Meaningless, "Tr 1", "contradicts `d`"),
             (Meaningless, "Kd 0.6", "given twice"),
             (NoEqual, "illum 10", "shadows"),
@@ -808,7 +1154,7 @@ fn materialx_that_has_no_meaning_here_is_refused_where_it_stands() {
             (
                 Meaningless,
                 input(r#""transmission_color" type="color3" value="0, 0.5, 0.5""#),
-                "absorbance_inside = [inf",
+                "infinite absorbance",
             ),
             (
                 Meaningless,
@@ -817,7 +1163,7 @@ fn materialx_that_has_no_meaning_here_is_refused_where_it_stands() {
             ),
             (Meaningless, input(r#""specular_IOR" type="float" value="0""#), "a number in [0.001, 1000]"),
             (
-                Meaningless,
+                NoEqual,
                 input(r#""base_color" type="color3" value="0.9999, 0.5, 0.5""#),
                 "as metal eta = [39997",
             ),
@@ -1004,17 +1350,14 @@ fn numbers_from_the_ends_of_their_ranges_are_read_or_refused() {
     let seed = bxdf_tests::run_seed();
     println!("BXDF_TESTS_SEED={seed}");
     let mut random = Pcg64::new(seed.into(), 1);
-    let keys = |name: &str| {
-        let text = text(name);
-        let inputs = text.split("<input name=\"").skip(1);
-        let input = |input: &str| (input.split('"').next().unwrap().to_owned(), input.contains("color3"));
-        let mut keys: Vec<_> = inputs.map(input).filter(|(name, _)| !name.contains("shader")).collect();
-        keys.sort();
-        keys.dedup();
-        keys
-    };
-    let shaders = ["standard_surface", "open_pbr_surface", "gltf_pbr"];
-    let keys = shaders.map(|element| keys(&format!("{element}.mtlx")));
+    // Those of glTF that have no default or are not of every version of the definition.
+    let others = "attenuation_distance=1;anisotropy_strength=0;anisotropy_rotation=0;dispersion=0";
+    let keys = DEFAULTS.map(|(element, inputs)| {
+        let others = if element == "gltf_pbr" { others } else { "" };
+        let inputs = inputs.split(';').chain(others.split(';')).filter(|input| !input.is_empty());
+        inputs.map(|input| input.split_once('=').unwrap()).collect::<Vec<_>>()
+    });
+    let shaders = DEFAULTS.map(|(element, _)| element);
     let mtl_keys =
         "Ka Kd Ks Ke Tf Ns Ni d Tr illum Pr Pm Ps Pc Pcr aniso anisor".split(' ').collect::<Vec<_>>();
     let mut imported = 0;
@@ -1027,15 +1370,26 @@ fn numbers_from_the_ends_of_their_ranges_are_read_or_refused() {
         let (materials, findings) = if i % 4 == 3 {
             for numbers in &numbers[..count] {
                 let key = mtl_keys[random.random_range(0..mtl_keys.len())];
-                writeln!(text, "{key} {}", if key == "illum" { "7" } else { numbers[0] }).unwrap();
+                let illum = random.random_range(0..=10).to_string();
+                writeln!(text, "{key} {}", if key == "illum" { &illum } else { numbers[0] }).unwrap();
             }
             mtl(&format!("newmtl a\n{text}"))
         } else {
+            // Most keys count below a coat, in a metal or in glass alone.
+            let metal_coat_glass = [
+                ["metalness=1;", "coat=1;", "transmission=1;"],
+                ["base_metalness=1;", "coat_weight=1;", "transmission_weight=1;"],
+                ["metallic=0;thickness=1;", "clearcoat=1;", "metallic=0;transmission=1;thickness=1;"],
+            ][i % 4];
+            let [metal, coat, glass] = metal_coat_glass;
+            text += [String::new(), metal.into(), coat.into(), glass.into(), format!("{metal}{coat}")]
+                [random.random_range(0..5)]
+            .as_str();
             for numbers in &numbers[..count] {
-                let (key, is_colour) = &keys[i % 4][random.random_range(0..keys[i % 4].len())];
-                let value = match key.as_str() {
-                    "thin_walled" => "true".to_owned(),
-                    _ if *is_colour => numbers.join(","),
+                let (key, default) = keys[i % 4][random.random_range(0..keys[i % 4].len())];
+                let value = match default {
+                    "false" => "true".to_owned(),
+                    _ if default.contains(',') => numbers.join(","),
                     _ => numbers[0].to_owned(),
                 };
                 write!(text, "{key}={value};").unwrap();

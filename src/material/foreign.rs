@@ -3,20 +3,23 @@
 //! A file says more, less and other things than a [`Description`] does. Every key that it sets is in the
 //! table of losses once: carried without error ([`Fate::Exact`]), by a rule whose error the table states
 //! ([`Fate::Converted`]), or left out ([`Fate::Dropped`]). What would be wrong by more than a tenth of the
-//! light is not imported: half a metal has no equal among the materials of the thesis.
+//! light is not imported: half a metal has no equal among the materials of the thesis. The exception is Ks
+//! of `.mtl` outside of the illumination models of reflection: in practice it is a strength without a unit,
+//! so that the highlight is Fresnel's and the table states by how much the two differ.
 //!
 //! # What becomes what
 //! | in the file | here |
 //! |---|---|
 //! | diffuse colour without a highlight | matte |
 //! | diffuse colour below a highlight or a coat | plastic, the colour raised to that below the interface |
+//! | colour of a coat over a diffuse colour; over a metal | in that colour; absorbance of the coat |
 //! | metal by its colour at 0° and at its edge | metal, η and k per channel |
 //! | the same below a coat | car paint, η and k times the index of the coat, which divides them again |
 //! | a transmitting body; a thin one | glass; thin glass |
 //! | reflection without Fresnel's equations (`.mtl`, illum 3) | mirror |
 //!
 //! Roughness r of `.mtl` (Pr), glTF, OpenPBR and Standard Surface is perceptual: α = r². The exponent of
-//! Blinn and Phong is α = √(2 / (Ns + 2)), of equal curvature at the peak (Walter et al., "Microfacet models
+//! Blinn and Phong is α = √(2 / (Ns + 2)), of equal height of the peak (Walter et al., "Microfacet models
 //! for refraction through rough surfaces", EGSR 2007, doi:10.2312/EGWR/EGSR07/195-206, §5.2). A transmitted
 //! colour c at depth d is an absorbance −ln(c) / d, which is exact in Napierian units.
 //!
@@ -239,10 +242,14 @@ impl Draft {
         }
     }
 
-    /// The same in place of what was said before.
+    /// The same in place of what was said before, or behind it where that is a loss.
     fn rather(&mut self, role: &str, fate: Fate, text: impl Into<String>) {
         if let Some(i) = self.roles.get(role) {
-            self.inputs[*i].fate = Some((fate, text.into()));
+            let text = text.into();
+            self.inputs[*i].fate = Some(match self.inputs[*i].fate.take() {
+                Some((Fate::Dropped, lost)) => (Fate::Dropped, format!("{lost}; {text}")),
+                _ => (fate, text),
+            });
         }
     }
 
@@ -267,8 +274,8 @@ impl Draft {
     /// The material cannot be imported for what a role says.
     fn refuse(&mut self, code: Code, role: &str, text: impl fmt::Display, help: &str) {
         let text = match self.input(role) {
-            Some(input) => format!("`{}` of `{}`: {text}", input.text, self.name),
-            None => format!("`{}`: {text}", self.name),
+            Some(input) => format!("`{}` of `{}`: {text}", input.text, quoted(&self.name)),
+            None => format!("`{}`: {text}", quoted(&self.name)),
         };
         self.findings.push(Finding::at(code, self.place(role), text).help(help));
     }
@@ -316,16 +323,21 @@ impl Draft {
     fn finish(mut self, model: Option<Model>) -> Result<Imported, Vec<Finding>> {
         let Some(model) = model.filter(|_| self.findings.is_empty()) else { return Err(self.findings) };
         let values = self.values.iter().map(|(path, value, _)| (*path, value.clone()));
-        let (description, problems) = Description::examined(model, values);
+        let (description, mut problems) = Description::examined(model, values);
+        if problems.is_empty() {
+            problems = description.contradictions();
+        }
+        let name = quoted(&self.name);
         for problem in problems {
             let place = self.values.iter().find(|(path, ..)| Some(*path) == problem.parameter());
             let span = place.map_or(self.span.clone(), |(.., span)| span.clone());
             let text = match self.inputs.iter().find(|input| input.span == span) {
-                Some(input) => format!("`{}` of `{}`: as {} {problem}", input.text, self.name, model.name()),
-                None => format!("`{}`: as {} {problem}", self.name, model.name()),
+                Some(input) => format!("`{}` of `{name}`: as {} {problem}", input.text, model.name()),
+                None => format!("`{name}`: as {} {problem}", model.name()),
             };
-            let help = "correct the value in the file, or import the other materials without this one";
-            self.findings.push(Finding::at(Code::Meaningless, span, text).help(help));
+            // The file may say so; the parameter here cannot.
+            let help = "take a value within the range, or import the other materials without this one";
+            self.findings.push(Finding::at(Code::NoEqual, span, text).help(help));
         }
         if !self.findings.is_empty() {
             return Err(self.findings);
@@ -409,6 +421,14 @@ fn returned_inside(eta: f64) -> f64 {
     (1.0 - (1.0 - mean) / (eta * eta)).max(0.0)
 }
 
+/// What a metal of reflectance ρ at 0° loses at most to a coat that returns the share K of its light, where a
+/// file has no internal reflections: ρ − ρ (1 − K) / (1 − ρ K). Smooth metals lose less.
+fn lost_to_coat(f0: [f64; 3], eta: f64) -> f64 {
+    // A coat of another index is refused as such.
+    let returned = if eta >= 1.0 { returned_inside(eta) } else { 0.0 };
+    largest(f0.map(|rho| if rho < 1.0 { returned * rho * (1.0 - rho) / (1.0 - rho * returned) } else { 0.0 }))
+}
+
 /// The reflectance below an interface that lets the share (1 − F) `seen` of the light out: ρ / (t + ρ (1 −
 /// t)).
 ///
@@ -463,7 +483,7 @@ impl MetalFit {
 
 /// The metal that has the reflectance w `f0` at 0° and w `tint` times that of Schlick's at cos θ = 1/7: the
 /// curve of Lazányi & Szirmay-Kalos with the edge at 82° (Kutz, Hašan & Edmondson, "Novel aspects of the
-/// Adobe Standard Material", 2021). `tint` 1 is Schlick's formula. Where no complex index reflects as asked
+/// Adobe Standard Material", 2023). `tint` 1 is Schlick's formula. Where no complex index reflects as asked
 /// at 82°, the nearest.
 fn metal_like_f82(f0: [f64; 3], tint: [f64; 3], weight: f64) -> MetalFit {
     let mut fit = MetalFit { eta: [0.0; 3], k: [0.0; 3], error: [0.0; 2] };

@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::{
-    Draft, FINITE, Fate, Imported, Input, Key, Kind, POSITIVE, SHARE, below, f0_of, largest, metal_like_f82,
-    quoted, show, show_colour,
+    Draft, FINITE, Fate, Imported, Input, Key, Kind, POSITIVE, SHARE, below, f0_of, largest, lost_to_coat,
+    metal_like_f82, quoted, show, show_colour, smallest,
 };
 use crate::material::Model;
 use crate::message::{Code, Finding};
@@ -69,13 +69,19 @@ pub fn mtl(text: &str) -> (Vec<Imported>, Vec<Finding>) {
         let span = words[0].start..words[words.len() - 1].end;
         let keyword = &text[words[0].clone()];
         if keyword.eq_ignore_ascii_case("newmtl") {
-            let name = words.get(1).map_or("", |first| &text[first.start..span.end]);
-            let mut draft = Draft::new(name.to_owned(), span.clone(), KEYS.to_vec());
+            let raw = words.get(1).map_or("", |first| &text[first.start..span.end]);
+            // A continued name is one line.
+            let name = if raw.contains(['\n', '\r']) {
+                words[1..].iter().map(|word| &text[word.clone()]).collect::<Vec<_>>().join(" ")
+            } else {
+                raw.to_owned()
+            };
+            let mut draft = Draft::new(name.clone(), span.clone(), KEYS.to_vec());
             if name.is_empty() {
                 let text = "newmtl without the name of a material";
                 draft.findings.push(Finding::at(Code::ForeignSyntax, span, text));
-            } else if !taken.insert(name) {
-                let text = format!("a second material of the name `{}`", quoted(name));
+            } else if !taken.insert(name.clone()) {
+                let text = format!("a second material of the name `{}`", quoted(&name));
                 draft.findings.push(Finding::at(Code::Meaningless, span, text));
             }
             drafts.push(draft);
@@ -271,6 +277,12 @@ fn model(d: &mut Draft, program: Program) -> Option<Model> {
         return None;
     }
     let illum = illum as u8;
+    if illum == 0 {
+        d.converted(
+            "illum",
+            "a constant colour without lighting: taken as the reflectance of a matte surface",
+        );
+    }
     d.exact("illum", "it chooses the model");
     let dissolve = dissolve(d)?;
     let metalness = d.given("Pm").map_or(0.0, |pm| pm[0]);
@@ -300,7 +312,7 @@ fn model(d: &mut Draft, program: Program) -> Option<Model> {
         return None;
     }
     if glass || sheet {
-        return Some(transmitting(d, program, illum, glass, diffuse));
+        return transmitting(d, program, illum, glass, diffuse);
     }
     d.note(&["d", "Tr", "Tf"], Fate::Exact, "nothing passes");
     let Some(kd) = kd.or((largest(ks) > 0.0 && !is_pbr).then_some([0.0; 3])) else {
@@ -312,7 +324,20 @@ fn model(d: &mut Draft, program: Program) -> Option<Model> {
     }
     let has_highlight = illum >= 2 && largest(ks) > 0.0;
     let reflects = matches!(illum, 3 | 5 | 8);
-    if has_highlight && reflects && !is_pbr && kd == [0.0; 3] {
+    // Elsewhere Ks is a strength without a unit.
+    let is_reflectance = has_highlight && reflects && !is_pbr && program == Program::Unknown;
+    let f0 = f0_of(d.given("Ni").map(|ni| ni[0]).filter(|eta| *eta > 1.0).unwrap_or(USUAL_ETA));
+    let error = largest(ks.map(|ks| (ks - f0).abs()));
+    // Without a diffuse lobe the lesser is lost.
+    let is_bare = kd == [0.0; 3] || is_reflectance && largest(kd) <= SHARE.min(error);
+    if has_highlight && reflects && !is_pbr && is_bare {
+        if largest(kd) > 0.0 {
+            let lost = show(largest(kd));
+            d.dropped(
+                "Kd",
+                format!("no diffuse lobe beside the reflection: up to {lost} of the light is lost"),
+            );
+        }
         d.dropped(
             "Ns",
             "reflections are sharp in this illumination model; highlights of lights are with them",
@@ -325,7 +350,21 @@ fn model(d: &mut Draft, program: Program) -> Option<Model> {
         d.set("reflectance", ks, "Ks");
         return Some(Model::Mirror);
     }
-    Some(opaque(d, program, kd, has_highlight, coat))
+    if is_reflectance && error > SHARE {
+        let text = format!(
+            "a diffuse surface reflects Fresnel's {} straight on: off by {}, and so it has no equal here",
+            show(f0),
+            show(error)
+        );
+        d.refuse(
+            Code::NoEqual,
+            "Ks",
+            text,
+            "set Kd to 0 for a mirror (illum 3) or a metal (5), or illum to 2",
+        );
+        return None;
+    }
+    opaque(d, program, [kd, ks], has_highlight, coat)
 }
 
 /// `d`, or what `Tr` leaves.
@@ -359,10 +398,20 @@ fn colour_note(d: &mut Draft, role: &str, fate: Fate, text: impl Into<String>) {
 }
 
 /// Sets α and the distribution at their paths by the file's Pr or Ns, if there is one.
-fn alpha(d: &mut Draft, program: Program, [path, distribution]: [&'static str; 2]) -> Option<f64> {
+fn alpha(
+    d: &mut Draft,
+    program: Program,
+    [path, distribution]: [&'static str; 2],
+    coat: bool,
+) -> Option<f64> {
     if let Some([roughness, ..]) = d.given("Pr") {
         let alpha = roughness * roughness;
-        d.exact("Pr", format!("perceptual: α = r² = {} of GGX", show(alpha)));
+        let text = format!("perceptual: α = r² = {} of GGX", show(alpha));
+        if coat {
+            let text = format!("{text}; its highlight is {USUAL_ETA} times as wide above the coat");
+            d.converted("Pr", text);
+        }
+        d.exact("Pr", text);
         d.exact("Ns", "Pr is in its place");
         d.set(path, alpha, "Pr");
         d.set(distribution, "ggx", "Pr");
@@ -395,8 +444,8 @@ fn alpha(d: &mut Draft, program: Program, [path, distribution]: [&'static str; 2
     Some(alpha)
 }
 
-fn transmitting(d: &mut Draft, program: Program, illum: u8, glass: bool, diffuse: f64) -> Model {
-    let eta = d.given("Ni").map_or(USUAL_ETA, |ni| ni[0]);
+fn transmitting(d: &mut Draft, program: Program, illum: u8, glass: bool, diffuse: f64) -> Option<Model> {
+    let eta = index(d)?;
     d.set("eta", eta, "Ni");
     d.exact("Ni", "index of refraction η");
     if diffuse > 0.0 {
@@ -410,7 +459,7 @@ fn transmitting(d: &mut Draft, program: Program, illum: u8, glass: bool, diffuse
         d.set("transmission", tf, "Tf");
         colour_note(d, "Tf", Fate::Exact, "multiplies what passes");
         d.note(&["Ns", "Pr"], Fate::Dropped, "a sheet is clear here, as its reflections are in the file");
-        return Model::ThinGlass;
+        return Some(Model::ThinGlass);
     }
     let text = format!("in illum {illum} Tf tells what passes");
     d.note(&["d", "Tr"], Fate::Exact, text);
@@ -425,10 +474,20 @@ fn transmitting(d: &mut Draft, program: Program, illum: u8, glass: bool, diffuse
     d.set("alpha", 0.0, "Ns");
     // Blender's Ns is of the surface, an exponent of the highlights alone.
     if d.given("Pr").is_some() || program != Program::Unknown {
-        alpha(d, program, ["alpha", "distribution"]);
+        alpha(d, program, ["alpha", "distribution"], false);
     }
     d.dropped("Ns", "refraction is sharp in this illumination model; highlights of lights are with it");
-    Model::Glass
+    Some(Model::Glass)
+}
+
+/// Ni, or what is usual.
+fn index(d: &mut Draft) -> Option<f64> {
+    let eta = d.given("Ni").map_or(USUAL_ETA, |ni| ni[0]);
+    if eta == 0.0 {
+        d.refuse(Code::Meaningless, "Ni", "an index of 0 is no surface's", "write 1.5, or leave Ni out");
+        return None;
+    }
+    Some(eta)
 }
 
 /// A metal of the given reflectance at 0°.
@@ -438,7 +497,16 @@ fn conductor(d: &mut Draft, program: Program, f0: [f64; 3], role: &str, coat: bo
     d.set("eta", fit.eta.map(|eta| eta * scale), role);
     d.set("k", fit.k.map(|k| k * scale), role);
     let text = format!("η and k of Schlick's formula at 0° and 82°; elsewhere {}", fit.error_in_words());
-    colour_note(d, role, fit.fate(), text);
+    let (fate, text) = if coat {
+        let darker = show(lost_to_coat(f0, USUAL_ETA));
+        let text = format!(
+            "{text}; below the coat at the refracted angle; darker by up to {darker} by what the coat returns"
+        );
+        (Fate::Converted, text)
+    } else {
+        (fit.fate(), text)
+    };
+    colour_note(d, role, fate, text);
     d.exact("Ni", "η and k follow from the colour of a metal");
     d.dropped("Ks", "a metal's highlight has the colour of the metal");
     d.exact("Kd", "no diffuse reflection");
@@ -446,7 +514,7 @@ fn conductor(d: &mut Draft, program: Program, f0: [f64; 3], role: &str, coat: bo
         d.set("alpha", 0.0, "Ks");
         Some(0.0)
     } else {
-        alpha(d, program, ["alpha", "distribution"])
+        alpha(d, program, ["alpha", "distribution"], coat)
     };
     let aniso = d.given("aniso").map_or(0.0, |aniso| aniso[0]);
     if aniso > 0.0 && alpha != Some(0.0) {
@@ -458,8 +526,10 @@ fn conductor(d: &mut Draft, program: Program, f0: [f64; 3], role: &str, coat: bo
             format!("αy / αx = 1 − 0.9 aniso = {}, Burley's rule; the format has none", show(ratio)),
         );
         if let Some([turns, ..]) = d.given("anisor") {
-            d.set("rotation_deg", 360.0 * turns, "anisor");
-            let degrees = show(360.0 * turns);
+            // Whole turns change nothing.
+            let degrees = 360.0 * (turns % 1.0);
+            d.set("rotation_deg", degrees, "anisor");
+            let degrees = show(degrees);
             d.converted("anisor", format!("{degrees}°; the format has no unit, this is turns"));
         }
     }
@@ -478,21 +548,28 @@ fn put_coat(d: &mut Draft) {
     d.exact("Pcr", format!("perceptual: α = r² = {} of GGX", show(roughness * roughness)));
 }
 
-fn opaque(d: &mut Draft, program: Program, kd: [f64; 3], has_highlight: bool, coat: bool) -> Model {
+fn opaque(
+    d: &mut Draft,
+    program: Program,
+    [kd, ks]: [[f64; 3]; 2],
+    has_highlight: bool,
+    coat: bool,
+) -> Option<Model> {
     if !has_highlight && !coat {
         d.set("reflectance", kd, "Kd");
         colour_note(d, "Kd", Fate::Exact, "reflectance");
         d.note(&["Ks", "Ns", "Ni", "Pr", "aniso", "anisor"], Fate::Exact, "no highlight");
-        return Model::Matte;
+        return Some(Model::Matte);
     }
     let given = d.given("Ni").map(|ni| ni[0]);
-    let mut eta = given.unwrap_or(USUAL_ETA);
+    let mut eta;
     if coat {
         let f0 = f0_of(given.filter(|eta| *eta > 1.0).unwrap_or(USUAL_ETA));
         d.lacks(&["Ni", "Ks", "Ns", "Pr", "aniso", "anisor"], f0, "a highlight below the coat");
         eta = USUAL_ETA;
         put_coat(d);
     } else {
+        eta = index(d)?;
         if eta == 1.0 {
             eta = USUAL_ETA;
             let text =
@@ -501,12 +578,18 @@ fn opaque(d: &mut Draft, program: Program, kd: [f64; 3], has_highlight: bool, co
         }
         d.set("coat.eta", eta, "Ni");
         d.exact("Ni", "index of refraction η");
-        alpha(d, program, ["coat.alpha", "coat.distribution"]);
-        let f0 = show(f0_of(eta));
-        d.dropped(
-            "Ks",
-            format!("the strength of the highlight is Fresnel's: {f0} straight on, more at an angle"),
-        );
+        alpha(d, program, ["coat.alpha", "coat.distribution"], false);
+        let f0 = f0_of(eta);
+        let mut text =
+            format!("the strength of the highlight is Fresnel's: {} straight on, more at an angle", show(f0));
+        if d.given("Pr").is_none() && program == Program::Unknown {
+            let [error, spread] = [largest(ks.map(|ks| (ks - f0).abs())), largest(ks) - smallest(ks)];
+            text = format!("{text}; off by {} if Ks is meant as a reflectance", show(error));
+            if spread > 0.0 {
+                text = format!("{text}, of which {} of colour", show(spread));
+            }
+        }
+        d.dropped("Ks", text);
         d.note(&["aniso", "anisor"], Fate::Dropped, "plastic is isotropic here: the highlight is round");
     }
     let reflectance = below(kd, eta);
@@ -515,5 +598,5 @@ fn opaque(d: &mut Draft, program: Program, kd: [f64; 3], has_highlight: bool, co
     let text = format!("{shown} below the interface: the share (1 − F) Kd of the light leaves");
     // The file adds its highlight to Kd and does not take F off.
     colour_note(d, "Kd", Fate::Converted, text);
-    Model::Plastic
+    Some(Model::Plastic)
 }

@@ -1,15 +1,22 @@
 //! What the inputs of `standard_surface`, `open_pbr_surface` and `gltf_pbr` mean here.
 //!
-//! The definitions are the graphs of the MaterialX library (`libraries/bxdf`); I. Georgiev et al., "Autodesk
-//! Standard Surface" 1.0.1, 2019; Z. Andersson et al., "OpenPBR Surface specification" 1.1, ASWF 2024;
-//! Khronos, "glTF 2.0" with KHR_materials_volume, appendix B. The three share their structure, so that one
-//! table of roles serves all. The library's shaders give back what single scattering loses at rough facets:
-//! here `scattering` = all, where a model has it.
+//! The definitions are the graphs of the MaterialX library (`libraries/bxdf`). The inputs for the inside of
+//! bodies, thin walls and dispersion, which the graphs leave to the renderer, are those of I. Georgiev et
+//! al., "Autodesk Standard Surface" 1.0.1, 2019; Z. Andersson et al., "OpenPBR Surface specification" 1.1,
+//! ASWF 2024; Khronos, "glTF 2.0" with KHR_materials_volume, appendix B. Of OpenPBR the specification wins,
+//! and the table of losses says so, for the weight of a metal (once; the graph has it twice at the edge),
+//! for light that a coat returns (the mean reflectance of the interface in place of F at 0°; over metals by
+//! their roughness) and for the colour of a coat over a metal (by the way inside; over a diffuse base the
+//! graph wins, whose colour is the same at every angle). The three share their structure, so that one table
+//! of roles serves all. The library's shaders give back what single scattering loses at rough facets: here
+//! `scattering` = all, where a model has it.
 
 use super::{
-    CLEAR, Draft, FINITE, Fate, INDEX, Imported, Key, Kind, POSITIVE, absorbance, below, f0_of, gulbrandsen,
-    largest, metal_like_f82, product, returned_inside, show, show_colour, smallest, weighted_index,
+    CLEAR, Draft, FINITE, Fate, INDEX, Imported, Key, Kind, POSITIVE, SHARE, absorbance, below, f0_of,
+    gulbrandsen, largest, lost_to_coat, metal_like_f82, product, returned_inside, show, show_colour,
+    smallest, weighted_index,
 };
+use crate::fresnel::dielectric;
 use crate::material::Model;
 use crate::message::{Code, Finding};
 use crate::rgb::Rgb;
@@ -237,11 +244,10 @@ pub(super) fn translate(shader: Shader, mut draft: Draft) -> Result<Imported, Ve
 fn model(shader: Shader, d: &mut Draft) -> Option<Model> {
     surroundings(shader, d);
     let opacity = match shader {
-        // The definition takes the luminance of the colour.
-        Shader::Standard => Rgb(d.colour("opacity")).luminance(),
+        // The graph takes a luminance of the colour; what a channel can lose is more.
+        Shader::Standard => smallest(d.colour("opacity")),
         Shader::OpenPbr => d.number("opacity"),
-        Shader::Gltf if d.number("alpha_mode") == 0.0 => 1.0,
-        Shader::Gltf => d.number("opacity"),
+        Shader::Gltf => alpha(d)?,
     };
     d.lacks(&["opacity", "alpha_cutoff"], 1.0 - opacity, "transparency without refraction");
     let film = match shader {
@@ -256,6 +262,10 @@ fn model(shader: Shader, d: &mut Draft) -> Option<Model> {
     let sheen = match shader {
         // Its layer lies below the metal's.
         Shader::Standard if metal => 0.0,
+        // Nor is it on what transmits.
+        Shader::Standard => {
+            (1.0 - d.number("transmission")) * d.number("sheen") * largest(d.colour("sheen_color"))
+        }
         Shader::Gltf => largest(d.colour("sheen_color")),
         _ => d.number("sheen") * largest(d.colour("sheen_color")),
     };
@@ -275,6 +285,31 @@ fn model(shader: Shader, d: &mut Draft) -> Option<Model> {
     if transmits { transmitting(shader, d) } else { opaque(shader, d, coat) }
 }
 
+/// The share of a glTF surface that is there, by the mode of its alpha: opaque, mask or blend.
+fn alpha(d: &mut Draft) -> Option<f64> {
+    let (alpha, cutoff, mode) = (d.number("opacity"), d.number("alpha_cutoff"), d.number("alpha_mode"));
+    if mode.fract() != 0.0 {
+        let help = "write 0 for opaque, 1 for a mask or 2 for a blend";
+        d.refuse(Code::Meaningless, "alpha_mode", "not the number of a mode", help);
+        return None;
+    }
+    d.exact("alpha_mode", "how alpha is read: 0 opaque, 1 mask, 2 blend");
+    if mode == 1.0 {
+        if alpha >= cutoff {
+            let text =
+                format!("a mask: {} is not below the cutoff {}, all is there", show(alpha), show(cutoff));
+            d.note(&["opacity", "alpha_cutoff"], Fate::Exact, text);
+        }
+        return Some(f64::from(alpha >= cutoff));
+    }
+    d.exact("alpha_cutoff", "without effect where alpha is no mask");
+    if mode == 0.0 {
+        d.exact("opacity", "without effect in the opaque mode");
+        return Some(1.0);
+    }
+    Some(alpha)
+}
+
 /// What is not of the scattering at a surface.
 fn surroundings(shader: Shader, d: &mut Draft) {
     let emitted = d.number("emission") * largest(d.colour("emission_color"));
@@ -292,6 +327,9 @@ fn surroundings(shader: Shader, d: &mut Draft) {
     }
 }
 
+/// The largest F at 0° of `artistic_ior` in the MaterialX library.
+const GULBRANDSEN_LIMIT: f64 = 0.99;
+
 /// αx and αy, as the shader makes them of its roughness, under a coat or not.
 fn alphas(shader: Shader, d: &mut Draft, coat: bool) -> [f64; 2] {
     let (given, anisotropy) = (d.number("roughness"), d.number("anisotropy"));
@@ -307,7 +345,30 @@ fn alphas(shader: Shader, d: &mut Draft, coat: bool) -> [f64; 2] {
         _ => given,
     };
     let square = roughness * roughness;
-    let alphas = match shader {
+    let alphas = widths(shader, roughness, anisotropy);
+    let mut text = format!("perceptual: α = r² = {} of GGX", show(square));
+    if roughness != given {
+        text = format!("{text}, r = {} as widened by the coat", show(roughness));
+    }
+    if alphas[0] != alphas[1] {
+        text =
+            format!("{text}, made αx = {} and αy = {} by the anisotropy", show(alphas[0]), show(alphas[1]));
+    }
+    if coat {
+        // The half vector turns by as much inside; refraction at a small angle turns by η of that.
+        let text =
+            format!("{text}; its highlight is {} times as wide above the coat", show(d.number("coat_ior")));
+        d.converted("roughness", text);
+    } else {
+        d.exact("roughness", text);
+    }
+    alphas
+}
+
+/// αx and αy of a roughness.
+fn widths(shader: Shader, roughness: f64, anisotropy: f64) -> [f64; 2] {
+    let square = roughness * roughness;
+    match shader {
         // Limits as in the definition of the node roughness_anisotropy.
         Shader::Standard => {
             let aspect = (1.0 - anisotropy.min(0.98)).sqrt();
@@ -318,17 +379,7 @@ fn alphas(shader: Shader, d: &mut Draft, coat: bool) -> [f64; 2] {
             [along, along * (1.0 - anisotropy)]
         }
         Shader::Gltf => [square + (1.0 - square) * anisotropy * anisotropy, square],
-    };
-    let mut text = format!("perceptual: α = r² = {} of GGX", show(square));
-    if roughness != given {
-        text = format!("{text}, r = {} as widened by the coat", show(roughness));
     }
-    if alphas[0] != alphas[1] {
-        text =
-            format!("{text}, made αx = {} and αy = {} by the anisotropy", show(alphas[0]), show(alphas[1]));
-    }
-    d.exact("roughness", text);
-    alphas
 }
 
 /// Anisotropy of a surface that has none here.
@@ -342,8 +393,8 @@ fn level(d: &mut Draft, alphas: [f64; 2]) -> f64 {
     mean
 }
 
-/// The interface of the coat, and what it absorbs.
-fn put_coat(shader: Shader, d: &mut Draft) {
+/// The interface of the coat.
+fn put_coat(d: &mut Draft) {
     let alpha = d.number("coat_roughness").powi(2);
     let eta = d.number("coat_ior");
     d.set("coat.eta", eta, "coat_ior");
@@ -356,25 +407,39 @@ fn put_coat(shader: Shader, d: &mut Draft) {
         let text = format!("the coat is isotropic here; the file has αy = {ratio} αx");
         d.note(&["coat_anisotropy", "coat_rotation"], Fate::Dropped, text);
     }
+}
+
+/// What a coat over a metal absorbs. Over a diffuse base its colour is in that of the base.
+fn put_coat_colour(d: &mut Draft) {
     let colour = d.colour("coat_color");
-    if colour == [1.0; 3] {
+    let eta = d.number("coat_ior");
+    // A coat of another index is refused as such.
+    if colour == [1.0; 3] || eta < 1.0 {
         return;
     }
-    // Light passes the coat twice: straight down and up it keeps e^{−2σ}.
+    // Light passes the coat twice: straight down and up it keeps e^{−2σ}. At θ the way inside is longer by
+    // 1 / cos θ', where the graph has the same colour.
     let sigma = absorbance(colour, 2.0);
+    let lost = |degrees: u32| {
+        let boundary = dielectric(f64::from(degrees).to_radians().cos(), eta);
+        let longer = 1.0 / boundary.cos_theta_t;
+        boundary.transmittance.unpolarized() * largest(colour.map(|c| c - c.powf(longer)))
+    };
+    let error = (0..90).map(lost).fold(0.0, f64::max);
+    if error > SHARE {
+        let text = format!("darker by up to {} at an angle, by its longer way: no equal here", show(error));
+        d.refuse(Code::NoEqual, "coat_color", text, "take a colour nearer to white or a larger index");
+        return;
+    }
     d.set("coat.thickness", 1.0, "coat_color");
     d.set("coat.absorbance", sigma, "coat_color");
-    let text = format!("σ = −ln(c) / 2 = {} at thickness 1", show_colour(sigma));
-    if shader == Shader::OpenPbr {
-        d.exact("coat_color", text);
-    } else {
-        // At 90° the way inside is longer by 1 / cos θ'; there both ways are, at most.
-        let longest = 1.0 / (1.0 - 1.0 / (eta * eta)).sqrt();
-        let error = largest(colour.map(|c| c - c.powf(longest)));
-        let text =
-            format!("{text}: as the file straight down, darker by up to {} at grazing angles", show(error));
-        d.converted("coat_color", text);
-    }
+    let text = format!(
+        "σ = −ln(c) / 2 = {} at thickness 1, twice straight down; darker by up to {} at an angle, and more \
+         after internal reflections",
+        show_colour(sigma),
+        show(error)
+    );
+    d.converted("coat_color", text);
 }
 
 fn conductor(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
@@ -382,14 +447,20 @@ fn conductor(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
     let weight = d.number("specular_weight");
     let tint = d.colour("specular_color");
     let (mut eta, mut k);
+    let (mut fate, mut text, mut edge);
     match shader {
         Shader::Standard => {
-            let edge = tint.map(|c| c * weight);
-            let index: [_; 3] = core::array::from_fn(|c| gulbrandsen(base[c], edge[c]));
+            let edge_tint = tint.map(|c| c * weight);
+            let index: [_; 3] = core::array::from_fn(|c| gulbrandsen(base[c], edge_tint[c]));
             (eta, k) = (index.map(|[eta, _]| eta), index.map(|[_, k]| k));
-            let text = format!("F at 0° = {}: η and k by Gulbrandsen's formula", show_colour(base));
-            d.note(&["base_weight", "base_color"], Fate::Exact, text);
-            d.note(&["specular_weight", "specular_color"], Fate::Exact, "edge tint of Gulbrandsen's formula");
+            fate = Fate::Exact;
+            text = format!("F at 0° = {}: η and k by Gulbrandsen's formula", show_colour(base));
+            if largest(base) > GULBRANDSEN_LIMIT {
+                fate = Fate::Converted;
+                let error = show(largest(base) - GULBRANDSEN_LIMIT);
+                text = format!("{text}; MaterialX's own code stops at {GULBRANDSEN_LIMIT}: off by {error}");
+            }
+            edge = (fate, "edge tint of Gulbrandsen's formula".to_owned());
         }
         Shader::OpenPbr | Shader::Gltf => {
             let (tint, weight) = if shader == Shader::OpenPbr { (tint, weight) } else { ([1.0; 3], 1.0) };
@@ -409,33 +480,57 @@ fn conductor(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
             let fit = metal_like_f82(base, tint, weight);
             (eta, k) = (fit.eta, fit.k);
             let curve = if shader == Shader::OpenPbr { "the F82 formula" } else { "Schlick's formula" };
-            let text = format!("η and k of {curve} at 0° and 82°; elsewhere {}", fit.error_in_words());
-            d.note(&["base_weight", "base_color"], fit.fate(), text.clone());
-            if shader == Shader::OpenPbr {
-                d.note(&["specular_weight", "specular_color"], fit.fate(), text);
+            fate = fit.fate();
+            text = format!("η and k of {curve} at 0° and 82°; elsewhere {}", fit.error_in_words());
+            edge = (fate, text.clone());
+            if shader == Shader::OpenPbr && weight != 1.0 {
+                edge = (Fate::Converted, format!("{text}; the weight once: the graph has it twice at 82°"));
             }
         }
     }
     let alphas = alphas(shader, d, coat);
     let alpha = (alphas[0] * alphas[1]).sqrt();
     if coat {
-        put_coat(shader, d);
+        put_coat(d);
+        put_coat_colour(d);
         let immersed = d.number("coat_ior");
         eta = eta.map(|eta| eta * immersed);
         k = k.map(|k| k * immersed);
-        if shader == Shader::OpenPbr && d.number("coat_darkening") < 1.0 {
-            let kept = (1.0 - d.number("coat_darkening")) * returned_inside(immersed);
-            let text = format!("light that the coat returns is followed: darker by up to {}", show(kept));
-            d.dropped("coat_darkening", text);
+        fate = Fate::Converted;
+        text = format!("{text}; below the coat at the refracted angle");
+        edge = (fate, format!("{}; below the coat at the refracted angle", edge.1));
+        let metal_weight = if shader == Shader::OpenPbr { weight } else { 1.0 };
+        let darker = lost_to_coat(base.map(|c| c * metal_weight), immersed);
+        if shader == Shader::OpenPbr {
+            let kept = (1.0 - d.number("coat_darkening")) * darker;
+            let help = "set coat_darkening to 1, as light that the coat returns is followed here";
+            let what = "light that the coat returns and the file keeps";
+            if kept > SHARE {
+                let what = format!("{} of {what} has no equal here", show(kept));
+                d.refuse(Code::NoEqual, "coat_darkening", what, help);
+            } else if kept > 0.0 {
+                d.dropped("coat_darkening", format!("{what} is lost: up to {} of the light", show(kept)));
+            }
+            let text = format!(
+                "followed by the roughness as in the specification; the graph is darker by up to {}",
+                show(darker)
+            );
+            d.converted("coat_darkening", text);
+        } else {
+            text = format!("{text}; darker by up to {} by what the coat returns", show(darker));
         }
         if d.number("coat_affect_color") > 0.0 {
             // The definition applies it to the diffuse colours only.
             d.exact("coat_affect_color", "without effect on a metal");
         }
     }
+    d.note(&["base_weight", "base_color"], fate, text);
+    if shader != Shader::Gltf {
+        d.note(&["specular_weight", "specular_color"], edge.0, edge.1);
+    }
     d.set("eta", eta, "base_color");
     d.set("k", k, "base_color");
-    d.set("alpha", alpha, "roughness");
+    d.set("alpha", alpha, if d.given("roughness").is_some() { "roughness" } else { "anisotropy" });
     d.set("distribution", "ggx", "roughness");
     if alpha > 0.0 && !coat {
         d.set("scattering", "all", "roughness");
@@ -444,10 +539,14 @@ fn conductor(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
         d.set("anisotropy", alphas[1] / alphas[0], "anisotropy");
         let [x, y] = alphas.map(show);
         d.exact("anisotropy", format!("αx = {x}, αy = {y}"));
+        // Whole turns change nothing.
         let degrees = match shader {
-            Shader::Standard => 360.0 * d.number("rotation"),
-            _ => d.number("rotation").to_degrees(),
+            Shader::Standard => 360.0 * (d.number("rotation") % 1.0),
+            _ => (d.number("rotation") % core::f64::consts::TAU).to_degrees(),
         };
+        if degrees == 0.0 {
+            d.exact("rotation", "no turn, or whole ones");
+        }
         if degrees != 0.0 {
             d.set("rotation_deg", degrees, "rotation");
             let text = format!(
@@ -473,25 +572,45 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
         Shader::OpenPbr => (weighted_index(given, weight), tint),
         _ => (given, tint.map(|c| c * weight)),
     };
-    d.set("eta", eta, "ior");
+    let eta_role = weighted_role(d, eta != given);
+    d.set("eta", eta, eta_role);
     d.exact("ior", "index of refraction η");
-    let alphas = alphas(shader, d, false);
-    let alpha = level(d, alphas);
-    dispersion(shader, d, given);
-    let passes = if shader == Shader::Gltf { d.colour("base_color") } else { d.colour("transmission_color") };
-    let passes_role = if shader == Shader::Gltf { "base_color" } else { "transmission_color" };
     let depth = d.number("transmission_depth");
-    if largest(d.colour("scatter")) > 0.0 {
+    let interior = ["scatter", "scatter_anisotropy"];
+    if is_thin && shader != Shader::Gltf {
+        let roles = [&interior[..], &["transmission_depth"]].concat();
+        d.note(&roles, Fate::Exact, "a thin wall has no interior");
+    } else if depth == 0.0 {
+        d.note(&interior, Fate::Exact, "without a depth there is no interior");
+    } else if largest(d.colour("scatter")) > 0.0 {
         let help = "set the scattering to 0 for a clear body, or take an opaque material";
         d.refuse(Code::NoEqual, "scatter", "a body that scatters within has no equal here", help);
         return None;
     }
+    dispersion(shader, d, given);
+    let passes = if shader == Shader::Gltf { d.colour("base_color") } else { d.colour("transmission_color") };
+    let passes_role = if shader == Shader::Gltf { "base_color" } else { "transmission_color" };
+    // What light refracts by, which is more than it reflects by.
+    let (roughness, anisotropy) = (d.number("roughness"), d.number("anisotropy"));
+    let extra = d.number("extra_roughness");
+    let mean = |[x, y]: [f64; 2]| (x * y).sqrt();
+    let [reflected, refracted] =
+        [roughness, (roughness + extra).clamp(0.0, 1.0)].map(|r| mean(widths(shader, r, anisotropy)));
+    let tinted = largest(reflection.map(|c| (1.0 - c).abs()));
     if is_thin {
-        if alpha > CLEAR {
-            let text = format!("a thin sheet with α = {} has no equal here: sheets are clear", show(alpha));
-            d.refuse(Code::NoEqual, "roughness", text, "set the roughness to 0, or give the sheet two faces");
-            return None;
+        for (role, alpha) in [("roughness", reflected), ("extra_roughness", refracted)] {
+            if alpha > CLEAR {
+                let text =
+                    format!("a thin sheet with α = {} has no equal here: sheets are clear", show(alpha));
+                d.refuse(Code::NoEqual, role, text, "set the roughness to 0, or give the sheet two faces");
+                return None;
+            }
+            if alpha > 0.0 {
+                let roles = [role, "anisotropy", "rotation"];
+                d.note(&roles, Fate::Dropped, format!("taken as clear, with α = {}", show(alpha)));
+            }
         }
+        d.exact("roughness", "a clear sheet, as here");
         d.set("transmission", passes, passes_role);
         let r = f0_of(eta);
         let text = format!(
@@ -502,12 +621,21 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
         // glTF's sheet is what has no thickness, which the file need not say.
         d.rather(if shader == Shader::Gltf { "transmission" } else { "thin_walled" }, Fate::Converted, text);
         d.exact(passes_role, "multiplies what passes");
-        let tinted = (1.0 - smallest(reflection)) * 2.0 * r / (1.0 + r);
-        d.lacks(&["specular_color", "specular_weight"], tinted, "a tint of what a sheet reflects");
+        let tints = ["specular_weight", "specular_color"];
+        let roles = if reflection == tint { &tints[1..] } else { &tints };
+        d.lacks(roles, tinted * 2.0 * r / (1.0 + r), "a tint of what a sheet reflects");
+        if shader == Shader::OpenPbr && weight != 1.0 {
+            d.exact("specular_weight", format!("scales F at 0°: η = {}", show(eta)));
+        }
         return Some(Model::ThinGlass);
     }
+    let alphas = alphas(shader, d, false);
+    let alpha = level(d, alphas);
     d.set("alpha", alpha, "roughness");
     d.set("distribution", "ggx", "roughness");
+    if shader == Shader::OpenPbr && weight != 1.0 {
+        d.exact("specular_weight", format!("scales F at 0°: η = {}", show(eta)));
+    }
     if reflection != [1.0; 3] {
         d.set("reflection", reflection, if weight == 1.0 { "specular_color" } else { "specular_weight" });
         let text = format!(
@@ -516,14 +644,22 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
         );
         d.note(&["specular_weight", "specular_color"], Fate::Converted, text);
     }
-    if shader == Shader::OpenPbr && weight != 1.0 {
-        d.exact("specular_weight", format!("scales F at 0°: η = {}", show(eta)));
-    }
-    let extra = d.number("extra_roughness");
-    if extra != 0.0 {
-        let refracted = (d.number("roughness") + extra).clamp(0.0, 1.0).powi(2);
-        let text =
-            format!("light refracts with the α of reflection here; the file has α = {}", show(refracted));
+    if refracted != reflected {
+        // The total variation between the slopes of two GGX surfaces, (b − a) / (a + b). What is clear either
+        // way is not blurred.
+        let [low, high] = [reflected.min(refracted), reflected.max(refracted)];
+        let moved = if high <= CLEAR { 0.0 } else { (high - low) / (high + low) };
+        let text = format!(
+            "light refracts with the α of reflection here; the file has α = {}, which sends {} of the light \
+             elsewhere",
+            show(refracted),
+            show(moved)
+        );
+        if moved > SHARE {
+            let help = "set it to 0, and the roughness to that of refraction";
+            d.refuse(Code::NoEqual, "extra_roughness", text, help);
+            return None;
+        }
         d.dropped("extra_roughness", text);
     }
     let absorbs = match shader {
@@ -536,6 +672,11 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
         if depth == 0.0 {
             let help = "leave it out for a clear body";
             d.refuse(Code::Meaningless, "transmission_depth", "a colour at the depth 0", help);
+            return None;
+        }
+        if smallest(d.colour("transmission_color")) == 0.0 {
+            let text = "a channel of 0 at a depth is an infinite absorbance";
+            d.refuse(Code::Meaningless, "transmission_color", text, "write the smallest share that is meant");
             return None;
         }
         let sigma = absorbance(d.colour("transmission_color"), depth);
@@ -553,6 +694,12 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
         d.set("scattering", "all", "roughness");
     }
     Some(Model::Glass)
+}
+
+/// The input that an index comes from, which may be weighted.
+fn weighted_role(d: &Draft, is_weighted: bool) -> &'static str {
+    let mut weights = ["specular_weight", "specular_color"].into_iter().filter(|_| is_weighted);
+    weights.find(|role| d.given(role).is_some()).unwrap_or("ior")
 }
 
 /// By how much one index for all colours is wrong.
@@ -575,22 +722,22 @@ fn dispersion(shader: Shader, d: &mut Draft, eta: f64) {
 }
 
 fn opaque(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
-    let diffuse = diffuse_colour(shader, d, coat);
+    let (diffuse, subsurface) = diffuse_colour(shader, d, coat);
     let tint = d.colour("specular_color");
     let weight = d.number("specular_weight") * Rgb(tint).luminance();
     let ior = d.number("ior");
     let has_highlight = weight > 0.0 && ior != 1.0;
     if !has_highlight && !coat {
-        diffuse_roughness(shader, d, false);
+        diffuse_roughness(shader, d, subsurface, false);
         d.note(&["base_weight", "base_color"], Fate::Exact, "reflectance, with no highlight above");
         d.note(&["specular_weight", "specular_color", "ior"], Fate::Exact, "no highlight");
         d.set("reflectance", diffuse, "base_color");
         return Some(Model::Matte);
     }
-    diffuse_roughness(shader, d, true);
+    diffuse_roughness(shader, d, subsurface, true);
     let (eta, seen);
     if coat {
-        put_coat(shader, d);
+        put_coat(d);
         eta = d.number("coat_ior");
         // OpenPBR's base lies in the coat, the others' in air.
         let relative = if shader == Shader::OpenPbr { ior / eta } else { ior };
@@ -600,27 +747,49 @@ fn opaque(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
         d.note(&highlight, Fate::Exact, "no highlight below the coat");
         let returned = returned_inside(eta);
         let darkening = d.number("coat_darkening");
-        d.exact("coat_darkening", "light that the coat returns, in the colour of the base");
-        seen = diffuse.map(|rho| {
+        if darkening == 0.0 {
+            d.exact("coat_darkening", "light that the coat returns is in the colour of the base");
+        }
+        let text = format!(
+            "light that the coat returns, K = {} of the mean reflectance; the graph has K = {} of F at 0°",
+            show(returned),
+            show(1.0 - (1.0 - f0_of(eta)) / (eta * eta))
+        );
+        d.converted("coat_darkening", text);
+        let darkened = diffuse.map(|rho| {
             let darker = (1.0 - returned) / (1.0 - rho * returned);
             rho * (1.0 - darkening + darkening * darker)
         });
+        // The graph multiplies what is below the coat, at every angle.
+        seen = product(darkened, d.colour("coat_color"));
+        if shader == Shader::OpenPbr && d.colour("coat_color") != [1.0; 3] {
+            let text = "multiplies the reflectance as in the graph; by the specification more at an angle";
+            d.converted("coat_color", text);
+        } else {
+            d.exact("coat_color", "multiplies the reflectance at every angle");
+        }
     } else {
         let alphas = alphas(shader, d, false);
         let alpha = level(d, alphas);
         eta = weighted_index(ior, weight);
-        d.set("coat.eta", eta, "ior");
+        let eta_role = weighted_role(d, eta != ior);
+        d.set("coat.eta", eta, eta_role);
         d.set("coat.alpha", alpha, "roughness");
         d.set("coat.distribution", "ggx", "roughness");
         d.exact("ior", format!("index of refraction, with its weight η = {}", show(eta)));
         let spread = (largest(tint) - smallest(tint)) * d.number("specular_weight") * f0_of(ior);
-        if weight != 1.0 {
+        if d.number("specular_weight") != 1.0 || tint != [1.0; 3] {
             let text = format!("scales F at 0°: η = {}", show(eta));
-            let is_same = shader == Shader::OpenPbr && tint == [1.0; 3];
-            let (fate, text) = if is_same {
+            // What the shader has in place of 1.
+            let grazing = match shader {
+                Shader::Standard => tint.map(|c| c * d.number("specular_weight")),
+                Shader::OpenPbr => tint,
+                Shader::Gltf => [d.number("specular_weight"); 3],
+            };
+            let (fate, text) = if grazing == [1.0; 3] {
                 (Fate::Exact, text)
             } else {
-                let grazing = show_colour(tint.map(|c| c * d.number("specular_weight")));
+                let grazing = show_colour(grazing);
                 (Fate::Converted, format!("{text}; at 90° the file has {grazing} in place of 1"))
             };
             d.note(&["specular_weight"], fate, text.clone());
@@ -645,8 +814,8 @@ fn opaque(shader: Shader, d: &mut Draft, coat: bool) -> Option<Model> {
     Some(Model::Plastic)
 }
 
-/// Diffuse and subsurface reflectance together.
-fn diffuse_colour(shader: Shader, d: &mut Draft, coat: bool) -> [f64; 3] {
+/// Diffuse and subsurface reflectance together, and the share of the latter.
+fn diffuse_colour(shader: Shader, d: &mut Draft, coat: bool) -> ([f64; 3], f64) {
     let share = d.number("subsurface");
     let is_thin = d.number("thin_walled") != 0.0;
     if is_thin {
@@ -671,25 +840,31 @@ fn diffuse_colour(shader: Shader, d: &mut Draft, coat: bool) -> [f64; 3] {
         d.note(&["subsurface_radius", "subsurface_scale", "subsurface_anisotropy"], Fate::Dropped, text);
     }
     let base = product(base, [d.number("base_weight") * (1.0 - share); 3]);
-    core::array::from_fn(|c| base[c] + share * inner[c])
+    (core::array::from_fn(|c| base[c] + share * inner[c]), share)
 }
 
 /// Largest r = B / A of Fujii's model that an angle σ ≤ π/2 gives.
 const LARGEST_FUJII: f64 = 0.776;
 
-fn diffuse_roughness(shader: Shader, d: &mut Draft, is_below: bool) {
+fn diffuse_roughness(shader: Shader, d: &mut Draft, subsurface: f64, is_below: bool) {
     let roughness = d.number("diffuse_roughness");
     if roughness == 0.0 {
         return;
     }
+    if subsurface == 1.0 {
+        d.exact("diffuse_roughness", "without effect: all is subsurface light, with no diffuse lobe");
+        return;
+    }
+    let converted = [
+        (is_below, ", for directions refracted into the coat".to_owned()),
+        (subsurface > 0.0, format!(", also of {} of subsurface light, which has none", show(subsurface))),
+    ];
+    let is_converted = converted.iter().any(|(is, _)| *is);
+    let remarks: String = converted.into_iter().filter(|(is, _)| *is).map(|(_, text)| text).collect();
+    let fate = if is_converted { Fate::Converted } else { Fate::Exact };
     if shader == Shader::Standard {
         d.set("sigma_rad", roughness, "diffuse_roughness");
-        let (fate, text) = if is_below {
-            (Fate::Converted, "σ of Oren & Nayar in radians, for directions refracted into the coat")
-        } else {
-            (Fate::Exact, "σ of Oren & Nayar in radians")
-        };
-        d.note(&["diffuse_roughness"], fate, text);
+        d.note(&["diffuse_roughness"], fate, format!("σ of Oren & Nayar in radians{remarks}"));
         return;
     }
     // EON takes r = B / A itself, which is here given by σ: with s = σ²,
@@ -707,11 +882,9 @@ fn diffuse_roughness(shader: Shader, d: &mut Draft, is_below: bool) {
         let error = largest(roughness) / largest(r) - 1.0;
         d.converted(
             "diffuse_roughness",
-            format!("{text}, the largest here: off by {} of itself", show(error)),
+            format!("{text}, the largest here: off by {} of itself{remarks}", show(error)),
         );
-    } else if is_below {
-        d.converted("diffuse_roughness", format!("{text}, for directions refracted into the coat"));
     } else {
-        d.exact("diffuse_roughness", text);
+        d.note(&["diffuse_roughness"], fate, format!("{text}{remarks}"));
     }
 }
