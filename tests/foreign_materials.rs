@@ -915,6 +915,7 @@ fn a_metal_below_a_coat_is_seen_through_refraction() {
         ("mtl", "Kd=0.6;Pm=1;Pc=1;Pr=0.3", "c", "darker by up to 0.2229"),
         ("mtl", "Pr=0.3;Kd=0.6;Pm=1;Pc=1", "c", "0.09 of GGX; its highlight is 1.5 times as wide"),
         ("mtl", "Pr=0.3;Kd=0.6;Pm=1", "e", "0.09 of GGX"),
+        ("mtl", "Ns=20;Kd=0.6;Pm=1;Pc=1", "c", "1.5 times as wide"),
         ("gltf_pbr", "base_color=0.6,0.6,0.6;clearcoat=1", "c", "darker by up to 0.2229"),
         ("open_pbr_surface", "coat_darkening=0.4;coat_weight=1;base_metalness=1;coat_ior=1.5", "x", "0.1095"),
         (
@@ -1375,14 +1376,14 @@ fn numbers_from_the_ends_of_their_ranges_are_read_or_refused() {
             }
             mtl(&format!("newmtl a\n{text}"))
         } else {
-            // Most keys count below a coat, in a metal or in glass alone.
-            let metal_coat_glass = [
+            // Many keys count on another base, below a coat or in glass alone.
+            let bases = [
                 ["metalness=1;", "coat=1;", "transmission=1;"],
                 ["base_metalness=1;", "coat_weight=1;", "transmission_weight=1;"],
                 ["metallic=0;thickness=1;", "clearcoat=1;", "metallic=0;transmission=1;thickness=1;"],
             ][i % 4];
-            let [metal, coat, glass] = metal_coat_glass;
-            text += [String::new(), metal.into(), coat.into(), glass.into(), format!("{metal}{coat}")]
+            let [base, coat, glass] = bases;
+            text += [String::new(), base.into(), coat.into(), glass.into(), format!("{base}{coat}")]
                 [random.random_range(0..5)]
             .as_str();
             for numbers in &numbers[..count] {
