@@ -848,6 +848,12 @@ fn what_light_meets_in_a_transmitting_body_is_told() {
         ("open_pbr_surface", format!("specular_color=0.5,1,1;{open_thin}"), "d", "0.03846 of the light"),
         (
             "gltf_pbr",
+            "roughness=0;anisotropy_strength=0.5;metallic=0;transmission=1".to_owned(),
+            "x",
+            "α = 0.25",
+        ),
+        (
+            "gltf_pbr",
             "specular_color=1.5,1,1;metallic=0;roughness=0;transmission=1".to_owned(),
             "d",
             "0.03846 of the light",
