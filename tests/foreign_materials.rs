@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use approx::assert_abs_diff_eq;
-use gonio::bxdf::Bxdf;
+use gonio::bxdf::{Bxdf, TransportMode};
 use gonio::fresnel::{Lazanyi, conductor, dielectric, normal_incidence, schlick};
 use gonio::material::foreign::{Fate, Imported, materialx, mtl};
 use gonio::material::{Model, Value, flattened};
@@ -760,6 +760,38 @@ fn a_coloured_coat_returns_the_share_that_the_file_means() {
         let f = dielectric(0.4, 1.5).reflectance.unpolarized();
         let wo = glam::DVec3::new(f64::sqrt(1.0 - 0.16), 0.0, 0.4);
         assert_near(plastic.albedo(wo).0, seen.map(|seen| f + (1.0 - f) * seen), 1e-4);
+    }
+}
+
+/// F + (1 − F) c R in the file; here light that the coat returns is followed: F + (1 − F)² c R / (1 − F c R).
+#[test]
+fn a_smooth_metal_below_a_coloured_coat_returns_what_the_file_means() {
+    let (metal, c) = ([0.8, 0.6, 0.3], 0.81);
+    let expected = metal.map(|r| 0.04 + 0.96 * 0.96 * c * r / (1.0 - 0.04 * c * r));
+    let of_file = metal.map(|r| 0.04 + 0.96 * c * r);
+    for (format, inputs) in [
+        (
+            "standard_surface",
+            "metalness=1;base=1;base_color=0.8,0.6,0.3;specular_roughness=0;coat=1;coat_roughness=0;\
+             coat_color=0.81,0.81,0.81",
+        ),
+        (
+            "open_pbr_surface",
+            "base_metalness=1;base_color=0.8,0.6,0.3;specular_roughness=0;coat_weight=1;coat_ior=1.5;\
+             coat_color=0.81,0.81,0.81",
+        ),
+    ] {
+        let paint = only(shader(format, inputs)).description.material::<f64>().unwrap();
+        // Each mirror has its interval of the first uniform.
+        let count = 10_000;
+        let mut albedo = [0.0; 3];
+        for i in 0..count {
+            let uc = (f64::from(i) + 0.5) / f64::from(count);
+            let sample = paint.sample(glam::DVec3::Z, uc, [0.5; 2], TransportMode::Radiance).unwrap();
+            albedo = std::array::from_fn(|c| albedo[c] + sample.weight[c] / f64::from(count));
+        }
+        assert_near(albedo, expected, 2e-3);
+        assert_near(albedo, of_file, 0.015);
     }
 }
 
