@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use approx::assert_abs_diff_eq;
-use gonio::bxdf::Bxdf;
+use gonio::bxdf::{Bxdf, TransportMode};
 use gonio::fresnel::{Lazanyi, conductor, dielectric, normal_incidence, schlick};
 use gonio::material::foreign::{Fate, Imported, materialx, mtl};
 use gonio::material::{Model, Value, flattened};
@@ -763,6 +763,38 @@ fn a_coloured_coat_returns_the_share_that_the_file_means() {
     }
 }
 
+/// F + (1 − F) c R in the file; here light that the coat returns is followed: F + (1 − F)² c R / (1 − F c R).
+#[test]
+fn a_smooth_metal_below_a_coloured_coat_returns_what_the_file_means() {
+    let (metal, c) = ([0.8, 0.6, 0.3], 0.81);
+    let expected = metal.map(|r| 0.04 + 0.96 * 0.96 * c * r / (1.0 - 0.04 * c * r));
+    let of_file = metal.map(|r| 0.04 + 0.96 * c * r);
+    for (format, inputs) in [
+        (
+            "standard_surface",
+            "metalness=1;base=1;base_color=0.8,0.6,0.3;specular_roughness=0;coat=1;coat_roughness=0;\
+             coat_color=0.81,0.81,0.81",
+        ),
+        (
+            "open_pbr_surface",
+            "base_metalness=1;base_color=0.8,0.6,0.3;specular_roughness=0;coat_weight=1;coat_ior=1.5;\
+             coat_color=0.81,0.81,0.81",
+        ),
+    ] {
+        let paint = only(shader(format, inputs)).description.material::<f64>().unwrap();
+        // Each mirror has its interval of the first uniform.
+        let count = 10_000;
+        let mut albedo = [0.0; 3];
+        for i in 0..count {
+            let uc = (f64::from(i) + 0.5) / f64::from(count);
+            let sample = paint.sample(glam::DVec3::Z, uc, [0.5; 2], TransportMode::Radiance).unwrap();
+            albedo = std::array::from_fn(|c| albedo[c] + sample.weight[c] / f64::from(count));
+        }
+        assert_near(albedo, expected, 2e-3);
+        assert_near(albedo, of_file, 0.015);
+    }
+}
+
 #[test]
 fn the_highlight_of_mtl_is_no_more_wrong_than_a_tenth() {
     for (text, model) in [
@@ -848,6 +880,12 @@ fn what_light_meets_in_a_transmitting_body_is_told() {
         ("open_pbr_surface", format!("specular_color=0.5,1,1;{open_thin}"), "d", "0.03846 of the light"),
         (
             "gltf_pbr",
+            "roughness=0;anisotropy_strength=0.5;metallic=0;transmission=1".to_owned(),
+            "x",
+            "α = 0.25",
+        ),
+        (
+            "gltf_pbr",
             "specular_color=1.5,1,1;metallic=0;roughness=0;transmission=1".to_owned(),
             "d",
             "0.03846 of the light",
@@ -915,6 +953,7 @@ fn a_metal_below_a_coat_is_seen_through_refraction() {
         ("mtl", "Kd=0.6;Pm=1;Pc=1;Pr=0.3", "c", "darker by up to 0.2229"),
         ("mtl", "Pr=0.3;Kd=0.6;Pm=1;Pc=1", "c", "0.09 of GGX; its highlight is 1.5 times as wide"),
         ("mtl", "Pr=0.3;Kd=0.6;Pm=1", "e", "0.09 of GGX"),
+        ("mtl", "Ns=20;Kd=0.6;Pm=1;Pc=1", "c", "1.5 times as wide"),
         ("gltf_pbr", "base_color=0.6,0.6,0.6;clearcoat=1", "c", "darker by up to 0.2229"),
         ("open_pbr_surface", "coat_darkening=0.4;coat_weight=1;base_metalness=1;coat_ior=1.5", "x", "0.1095"),
         (
@@ -1375,14 +1414,14 @@ fn numbers_from_the_ends_of_their_ranges_are_read_or_refused() {
             }
             mtl(&format!("newmtl a\n{text}"))
         } else {
-            // Most keys count below a coat, in a metal or in glass alone.
-            let metal_coat_glass = [
+            // Many keys count on another base, below a coat or in glass alone.
+            let bases = [
                 ["metalness=1;", "coat=1;", "transmission=1;"],
                 ["base_metalness=1;", "coat_weight=1;", "transmission_weight=1;"],
                 ["metallic=0;thickness=1;", "clearcoat=1;", "metallic=0;transmission=1;thickness=1;"],
             ][i % 4];
-            let [metal, coat, glass] = metal_coat_glass;
-            text += [String::new(), metal.into(), coat.into(), glass.into(), format!("{metal}{coat}")]
+            let [base, coat, glass] = bases;
+            text += [String::new(), base.into(), coat.into(), glass.into(), format!("{base}{coat}")]
                 [random.random_range(0..5)]
             .as_str();
             for numbers in &numbers[..count] {

@@ -404,14 +404,15 @@ fn alpha(
     [path, distribution]: [&'static str; 2],
     coat: bool,
 ) -> Option<f64> {
+    let widened = if coat {
+        format!("; its highlight is {USUAL_ETA} times as wide above the coat")
+    } else {
+        String::new()
+    };
     if let Some([roughness, ..]) = d.given("Pr") {
         let alpha = roughness * roughness;
-        let text = format!("perceptual: α = r² = {} of GGX", show(alpha));
-        if coat {
-            let text = format!("{text}; its highlight is {USUAL_ETA} times as wide above the coat");
-            d.converted("Pr", text);
-        }
-        d.exact("Pr", text);
+        let text = format!("perceptual: α = r² = {} of GGX{widened}", show(alpha));
+        d.note(&["Pr"], if coat { Fate::Converted } else { Fate::Exact }, text);
         d.exact("Ns", "Pr is in its place");
         d.set(path, alpha, "Pr");
         d.set(distribution, "ggx", "Pr");
@@ -423,7 +424,7 @@ fn alpha(
         Program::Blender(scale) if exponent <= scale => {
             let alpha = (1.0 - (exponent / scale).sqrt()).powi(2);
             let text = format!(
-                "Blender's Ns = {scale} (1 − r)²: α = r² = {}; an exponent of Blinn and Phong would be {}",
+                "Blender's Ns = {scale} (1 − r)²: α = r² = {}; an exponent of Blinn and Phong would be {}{widened}",
                 show(alpha),
                 show(beckmann)
             );
@@ -433,7 +434,7 @@ fn alpha(
         }
         Program::Blender(_) | Program::Unknown => {
             let text = format!(
-                "α = √(2 / (Ns + 2)) = {}: the same peak, where the exponent is Blinn and Phong's",
+                "α = √(2 / (Ns + 2)) = {}: the same peak, where the exponent is Blinn and Phong's{widened}",
                 show(beckmann)
             );
             d.converted("Ns", text);

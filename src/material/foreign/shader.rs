@@ -590,12 +590,12 @@ fn transmitting(shader: Shader, d: &mut Draft) -> Option<Model> {
     dispersion(shader, d, given);
     let passes = if shader == Shader::Gltf { d.colour("base_color") } else { d.colour("transmission_color") };
     let passes_role = if shader == Shader::Gltf { "base_color" } else { "transmission_color" };
-    // What light refracts by, which is more than it reflects by.
+    // Light may refract by another roughness than it reflects by. Of a sheet the wider α counts.
     let (roughness, anisotropy) = (d.number("roughness"), d.number("anisotropy"));
     let extra = d.number("extra_roughness");
-    let mean = |[x, y]: [f64; 2]| (x * y).sqrt();
+    let single = |[x, y]: [f64; 2]| if is_thin { x.max(y) } else { (x * y).sqrt() };
     let [reflected, refracted] =
-        [roughness, (roughness + extra).clamp(0.0, 1.0)].map(|r| mean(widths(shader, r, anisotropy)));
+        [roughness, (roughness + extra).clamp(0.0, 1.0)].map(|r| single(widths(shader, r, anisotropy)));
     let tinted = largest(reflection.map(|c| (1.0 - c).abs()));
     if is_thin {
         for (role, alpha) in [("roughness", reflected), ("extra_roughness", refracted)] {
