@@ -6,6 +6,8 @@ use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::mpsc;
+use std::time::Duration;
 
 use bxdf_tests::run_seed;
 use gonio::material::file::{Document, Entry, Syntax, read, schema};
@@ -329,7 +331,10 @@ fn a_watched_file_is_checked_again_when_it_is_saved() {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    let mut lines = BufReader::new(watching.stdout.take().unwrap()).lines().map(Result::unwrap);
+    let printed = BufReader::new(watching.stdout.take().unwrap());
+    let (sender, receiver) = mpsc::channel();
+    std::thread::spawn(move || printed.lines().map_while(Result::ok).try_for_each(|line| sender.send(line)));
+    let mut lines = std::iter::from_fn(|| receiver.recv_timeout(Duration::from_secs(60)).ok());
     assert!(lines.next().unwrap().ends_with("error[G109]: there is no `version`"));
     save("[gonio]\nversion = 2\n");
     assert!(lines.next().unwrap().contains("error[G108]: version 2 is unknown"));

@@ -12,7 +12,7 @@ use clap::ValueEnum;
 use gonio::material::file::{Document, Syntax, read, text_of};
 use gonio::material::{Profile, Summary};
 use gonio::message::{Finding, Severity};
-use gonio::record::{CheckRecord, CheckedFile, CheckedMaterial, RunRecord};
+use gonio::record::{CheckRecord, CheckedFile, CheckedMaterial, Placed, RunRecord};
 use gonio::specimen::{BxdfSpecimen, verify};
 use rayon::prelude::*;
 
@@ -143,7 +143,7 @@ fn check(options: &Options, general: &General) -> Result<ExitCode, Failure> {
     let record = record_of(&files, run)?;
     print(&match options.format {
         Form::Full => full(&files, &record)?,
-        Form::Concise => concise(&files, &record)?,
+        Form::Concise => concise(&record)?,
         Form::Json => record.json()?,
         Form::Junit => record.junit()?,
         Form::Github => record.github()?,
@@ -322,16 +322,11 @@ fn table(materials: &[CheckedMaterial]) -> Result<String, std::fmt::Error> {
     Ok(text)
 }
 
-fn concise(files: &[Checked], record: &CheckRecord) -> Result<String, std::fmt::Error> {
+fn concise(record: &CheckRecord) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
-    for file in files {
-        let lines = Lines::of(&file.text);
-        for finding in &file.findings {
-            let place = lines
-                .placed(finding)
-                .place
-                .map_or(String::new(), |place| format!("{}:{}:", place.line, place.column));
-            let severity = finding.code.severity();
+    for file in &record.files {
+        for Placed { severity, place, finding } in &file.findings {
+            let place = place.map_or(String::new(), |place| format!("{}:{}:", place.line, place.column));
             writeln!(text, "{}:{place} {severity}[{}]: {}", file.path, finding.code, finding.line())?;
         }
     }

@@ -92,7 +92,14 @@ impl Table {
             line: None,
             problem: Problem::Unreadable(error.to_string()),
         })?;
-        Self::read(&name, file.take(LARGEST))
+        let mut file = file.take(LARGEST + 1);
+        let table = Self::read(&name, &mut file);
+        if file.limit() > 0 {
+            return table;
+        }
+        // It was cut off: neither its rows nor what is wrong with the last of them mean anything.
+        let problem = Problem::Unreadable(format!("larger than {} MB", LARGEST >> 20));
+        Err(BadTable { file: name, line: None, problem }.into())
     }
 
     /// Reads a table: CSV with the columns `wavelength_nm` (or `wavelength_um`), `eta` (or `n`) and `k`.
@@ -192,6 +199,12 @@ mod tests {
         assert!(message("wavelength,n,k\n").contains("no column `wavelength_nm`; found wavelength, n, k"));
         assert!(message("").contains("no column"));
         assert!(message("wavelength_nm,eta,k\n400,1,0\n").contains("1 rows"));
+        let folder = tempfile::tempdir().unwrap();
+        let huge = folder.path().join("huge.csv");
+        let rows = format!("{head}500,1.5,0\n");
+        std::fs::write(&huge, format!("{rows}#{}\n{}", " ".repeat(64 << 20), "600,1.5,0\n")).unwrap();
+        let error = Table::read_file(&huge).unwrap_err().to_string();
+        assert!(error.ends_with("huge.csv: larger than 64 MB"), "{error}");
         let no_file = Table::read_file(Path::new("/does/not/exist.csv")).unwrap_err().to_string();
         assert!(no_file.starts_with("/does/not/exist.csv: "), "{no_file}");
         assert!(Table::read("my.csv", &b"wavelength_nm,eta,k\n\xff\xfe,1,0\n"[..]).is_err());

@@ -85,6 +85,15 @@ impl Reader<'_> {
         self.findings.push(finding);
     }
 
+    /// Refuses what needs a declaration that is missing, and tells so the first time.
+    fn refuse_undeclared(&mut self, which: usize, finding: Finding) {
+        if std::mem::replace(&mut self.undeclared[which], true) {
+            self.refusals += 1;
+        } else {
+            self.report(finding.label("not declared which"));
+        }
+    }
+
     /// Whether something stands where the syntax is broken.
     fn is_broken(&self, span: &Range<usize>) -> bool {
         // They are in order and apart.
@@ -441,19 +450,11 @@ impl Reader<'_> {
         let convention = match self.roughness {
             Some(convention) => convention,
             None => {
-                if !self.undeclared[1] {
-                    self.undeclared[1] = true;
-                    let finding = Finding::at(
-                        Code::Undeclared,
-                        entry.span.clone(),
-                        "`roughness` is α to some and √α to others",
-                    )
-                    .label("not declared which")
+                let text = "`roughness` is α to some and √α to others";
+                let finding = Finding::at(Code::Undeclared, entry.span.clone(), text)
                     .help("write `alpha`, which needs no declaration")
                     .help("or declare under [gonio]: roughness = \"alpha\", or \"perceptual\" for α = roughness²");
-                    self.report(finding);
-                }
-                self.refusals += 1;
+                self.refuse_undeclared(1, finding);
                 return None;
             }
         };
@@ -571,19 +572,11 @@ impl Reader<'_> {
             return None;
         }
         let Some(space) = space else {
-            if !self.undeclared[0] {
-                self.undeclared[0] = true;
-                let finding = Finding::at(
-                    Code::Undeclared,
-                    node.span.clone(),
-                    "a colour means nothing without its space",
-                )
-                .label("not declared which")
+            let text = "a colour means nothing without its space";
+            let finding = Finding::at(Code::Undeclared, node.span.clone(), text)
                 .help("declare under [gonio]: color = \"lin_rec709\", or \"srgb\" for values of a colour picker")
                 .help(format!("or here alone: {id} = {{ srgb = {} }}", Value::Colour(colour)));
-                self.report(finding);
-            }
-            self.refusals += 1;
+            self.refuse_undeclared(0, finding);
             return None;
         };
         Some(Value::Colour(space.linear(colour)))
