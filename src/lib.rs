@@ -11,7 +11,7 @@
 //! | floor | modules |
 //! |---|---|
 //! | 5 | [`record`], [`report`] |
-//! | 4 | [`specimen`], [`planted`]; `bxdf_tests` is named from here up only |
+//! | 4 | [`specimen`], [`planted`], [`stability`]; `bxdf_tests` is named from here up only |
 //! | 3 | [`material`] |
 //! | 2 | [`bxdf`], [`lobe`], [`stack`] |
 //! | 1 | [`fresnel`], [`microfacet`], [`ior`] |
@@ -51,6 +51,7 @@ pub mod report;
 pub mod rgb;
 pub mod special;
 pub mod specimen;
+pub mod stability;
 pub mod stack;
 mod table;
 pub mod warp;

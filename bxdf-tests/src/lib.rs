@@ -44,6 +44,7 @@ mod regression;
 mod residual;
 mod search;
 mod specimen;
+pub mod stability;
 mod statistics;
 mod suite;
 mod survey;

@@ -53,7 +53,12 @@ fn maximise(
 }
 
 /// A step along every axis in turn, forth and back, as long as one of them finds a larger value; then shorter ones.
-fn refine(best: &mut f64, point: &mut [f64], evaluations: usize, value: &mut impl FnMut(&[f64]) -> f64) {
+pub(crate) fn refine(
+    best: &mut f64,
+    point: &mut [f64],
+    evaluations: usize,
+    value: &mut impl FnMut(&[f64]) -> f64,
+) {
     let [mut step, smallest] = STEPS;
     let mut failures = 0;
     let moves = (0..point.len()).flat_map(|axis| [(axis, 1.0), (axis, -1.0)]).cycle();
