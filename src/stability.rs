@@ -9,9 +9,10 @@ use bxdf_tests::stability::{Axis, Form, Region, Term};
 
 /// Every term there is.
 pub fn terms() -> Vec<Term> {
-    let mut terms = Vec::new();
-    terms.extend(geometry::terms());
-    terms
+    [geometry::terms, fresnel::terms, microfacet::terms, sampling::terms, diffuse::terms, coat::terms]
+        .into_iter()
+        .flat_map(|family| family())
+        .collect()
 }
 
 /// A form written once over [`crate::real::Real`].
@@ -21,4 +22,9 @@ macro_rules! forms {
     };
 }
 
+mod coat;
+mod diffuse;
+mod fresnel;
 mod geometry;
+mod microfacet;
+mod sampling;
