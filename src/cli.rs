@@ -5,6 +5,7 @@
 
 mod check;
 mod explain;
+mod extremes;
 mod import;
 mod ior;
 mod list;
@@ -146,6 +147,7 @@ gonio verifies materials and BxDFs.
   gonio explain G104                      what a message means, and the way out
   gonio list metal                        the parameters of a material;  gonio list  names them, and presets
   gonio verify --self-check               planted bugs: does every suite find what it must?
+  gonio verify --extremes                 digits left where they get lost: f32 and f64, stable and textbook forms
   gonio verify --shard 1/4 --output json=1.json   a quarter of the run;  gonio merge *.json  makes it whole
   gonio verify planted/density_without_the_jacobian   what a violation says
   gonio replay FILE                       runs a violation that was saved in gonio-regressions/ again

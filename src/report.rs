@@ -4,6 +4,7 @@
 //! renamed: an interrupted run leaves the previous report as it was.
 
 mod compare;
+mod extremes;
 mod figure;
 mod page;
 
@@ -19,7 +20,9 @@ use crate::ior::{IorError, Table, builtin};
 use crate::planted::{SelfCheck, Suites};
 use crate::record::RunRecord;
 use crate::specimen::{CatalogueError, verify};
+use crate::stability;
 pub use compare::Difference;
+pub use extremes::{Extremes, Worst};
 pub use figure::FresnelFigure;
 
 /// Data sets of the thesis's Figure 5: copper, aluminium, iron, diamond, glass and water.
@@ -90,10 +93,12 @@ pub struct Report {
     pub verdicts: Vec<Verdict>,
     /// The planted bugs that it shows.
     pub self_check: SelfCheck,
+    /// Terms that are not as stable as they are said to be.
+    pub faults: Vec<String>,
 }
 
 impl Report {
-    /// Runs all suites on the specimens and on the planted bugs, and draws the figures.
+    /// Runs all suites on the specimens and on the planted bugs, measures the terms at the extremes, and draws the figures.
     pub fn new(
         specimens: &[Box<dyn Specimen>],
         plan: &Plan,
@@ -104,11 +109,15 @@ impl Report {
         let svg = figure.svg()?;
         let verdicts = verify(specimens, Suite::ALL, plan, &|_| (), finished);
         let self_check = SelfCheck::run(plan.run_seed, 1, plan.samples, Suites::All, &|| ())?;
+        let terms = stability::terms();
+        let measured = stability::measure(&terms, plan);
+        let extremes = Extremes::new(terms, measured);
         let page = page::html(&page::Contents {
             specimens,
             plan,
             verdicts: &verdicts,
             self_check: &self_check,
+            extremes: &extremes,
             figure: &figure,
             svg: &svg,
         })?;
@@ -120,8 +129,9 @@ impl Report {
             ("fresnel.csv", figure.csv()?),
             ("verdicts.json", record.json()?),
             ("planted.json", self_check_json(&self_check)?),
+            ("extremes.json", extremes.json(plan.run_seed)?),
         ];
-        Ok(Self { files, verdicts: record.verdicts, self_check })
+        Ok(Self { files, verdicts: record.verdicts, self_check, faults: extremes.faults() })
     }
 
     /// Writes every file into `folder`, which is made if need be.

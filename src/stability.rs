@@ -5,13 +5,26 @@
 
 mod big;
 
-use bxdf_tests::stability::{Axis, Form, Region, Term};
+use bxdf_tests::stability::{Axis, Form, Measured, Region, Term};
+use bxdf_tests::{Plan, Precision};
+use rayon::prelude::*;
+
+pub use rounding::{RoundedDirections, cost_of_rounded_directions};
 
 /// Every term there is.
 pub fn terms() -> Vec<Term> {
     [geometry::terms, fresnel::terms, microfacet::terms, sampling::terms, diffuse::terms, coat::terms]
         .into_iter()
         .flat_map(|family| family())
+        .collect()
+}
+
+/// Measures terms in both precisions, in their order; the plan's run seed fixes what is random.
+pub fn measure(terms: &[Term], plan: &Plan) -> Vec<Measured> {
+    terms
+        .par_iter()
+        .flat_map_iter(|term| [Precision::F32, Precision::F64].map(|precision| term.measure(precision, plan)))
+        .flatten_iter()
         .collect()
 }
 
@@ -27,4 +40,5 @@ mod diffuse;
 mod fresnel;
 mod geometry;
 mod microfacet;
+mod rounding;
 mod sampling;

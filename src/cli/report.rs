@@ -60,6 +60,12 @@ pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Fail
             options.output.join("index.html").display()
         ))?;
     }
+    for fault in &report.faults {
+        eprintln!("{fault}");
+    }
+    if !report.faults.is_empty() {
+        return Ok(ExitCode::from(1));
+    }
     if !report.self_check.passes() {
         eprintln!("a planted bug is missed, or a twin fails; `gonio verify --self-check` shows which");
         return Ok(ExitCode::from(1));

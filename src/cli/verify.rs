@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::output::{Form, Outputs};
 use super::progress::Progress;
-use super::{Failure, General, Judgement, Run, print, self_check};
+use super::{Failure, General, Judgement, Run, extremes, print, self_check};
 
 #[derive(clap::Args)]
 pub(crate) struct Options {
@@ -32,6 +32,9 @@ pub(crate) struct Options {
     /// Run seeds of a self-check, from --seed up: how often is each bug found?
     #[arg(long, requires = "self_check", default_value_t = 1, value_name = "K", value_parser = seeds)]
     seeds: usize,
+    /// Terms against exact values at the extremes of their inputs, instead of specimens; names are beginnings of theirs
+    #[arg(long, conflicts_with_all = ["suites", "self_check", "deny", "shard", "outputs", "regressions"])]
+    extremes: bool,
     #[command(flatten)]
     judgement: Judgement,
     /// Only part I of N, every N-th specimen; `gonio merge` puts the parts together
@@ -61,6 +64,9 @@ fn suite(name: &str) -> Result<Suite, String> {
 pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Failure> {
     if options.self_check {
         return self_check::run(&options.run, options.seeds, options.outputs.format, general);
+    }
+    if options.extremes {
+        return extremes::run(&options.names, &options.run, options.outputs.format);
     }
     let specimens = select(&options.names)?;
     // The error rate is shared by the whole run, whatever part of it this is.

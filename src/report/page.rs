@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use bxdf_tests::{FAMILY_ERROR_RATE, Outcome, Plan, Specimen, Suite, Verdict};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::{FresnelFigure, ReportError};
+use super::{Extremes, FresnelFigure, ReportError, extremes};
 use crate::ior::{Class, Illuminant, builtin, provenances};
 use crate::planted::{Found, Row, Search, SelfCheck};
 
@@ -15,6 +15,7 @@ pub(super) struct Contents<'a> {
     pub(super) plan: &'a Plan,
     pub(super) verdicts: &'a [Verdict],
     pub(super) self_check: &'a SelfCheck,
+    pub(super) extremes: &'a Extremes,
     pub(super) figure: &'a FresnelFigure,
     pub(super) svg: &'a str,
 }
@@ -43,7 +44,7 @@ pub(super) fn html(contents: &Contents<'_>) -> Result<String, ReportError> {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { "gonio report" }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(STYLE)) (PreEscaped(extremes::STYLE)) }
             }
             body {
                 h1 { "gonio report" }
@@ -52,6 +53,7 @@ pub(super) fn html(contents: &Contents<'_>) -> Result<String, ReportError> {
                 (fresnel(contents))
                 (metals()?)
                 (matrix(contents))
+                (extremes::section(contents.extremes))
                 (planted(contents.self_check))
                 (reproduce(contents))
             }
