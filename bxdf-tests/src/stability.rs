@@ -2,7 +2,7 @@
 //!
 //! A [`Term`] is one quantity with its exact value, the regions of its inputs that hurt, and [`Form`]s: the stable one
 //! that is in use, and textbook ones as controls, which must be seen to fail. The unit of errors is the ulp, and what
-//! rounding the inputs costs any formula is set aside (Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd
+//! rounding the variables costs any formula is set aside (Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd
 //! edition, 2002, §1.6, <https://doi.org/10.1137/1.9780898718027>).
 
 use crate::Precision;
@@ -157,8 +157,11 @@ pub struct Term {
     pub name: &'static str,
     /// What it is.
     pub statement: &'static str,
-    /// The inputs, in order.
+    /// The inputs, in order: variables first, then parameters.
     pub inputs: &'static [&'static str],
+    /// How many of the inputs are variables: directions and random numbers, which come rounded. Parameters are what their
+    /// author wrote; a form has to do with them as they are.
+    pub variables: usize,
     /// Where the stable form is claimed to be stable; the regions lie in it and reach its edges.
     pub range: &'static str,
     /// The exact value; `None` where the inputs are outside the domain.
@@ -185,7 +188,7 @@ pub struct Witness {
     /// The difference \[ulp of the exact value\].
     #[serde(serialize_with = "crate::number::serialize")]
     pub ulps: f64,
-    /// How many ulps the exact value moves if every input moves by one; 1 where it was not asked for.
+    /// How many ulps the exact value moves if every variable moves by one; 1 where it was not asked for.
     #[serde(serialize_with = "crate::number::serialize")]
     pub condition: f64,
 }
@@ -276,12 +279,12 @@ impl Term {
         })
     }
 
-    /// The sum over the inputs of how far the exact value moves, in ulps, when one of them moves to a neighbour.
+    /// The sum over the variables of how far the exact value moves, in ulps, when one of them moves to a neighbour.
     fn condition(&self, precision: Precision, inputs: &[f64], exact: Exact) -> f64 {
         let unit = ulp(precision, exact.nearest);
         let mut moved = inputs.to_vec();
         let mut sum = 0.0;
-        for (i, &x) in inputs.iter().enumerate() {
+        for (i, &x) in inputs.iter().enumerate().take(self.variables) {
             let farthest = neighbours(precision, x).into_iter().filter_map(|neighbour| {
                 moved[i] = neighbour;
                 let there = (self.exact)(&moved)?;
@@ -416,6 +419,7 @@ mod tests {
             name: "test/one_minus_square",
             statement: "1 − c²",
             inputs: &["c"],
+            variables: 1,
             range: "c in [0, 1]",
             // (1 − c)(1 + c) of a double is exact in two doubles but for the last bits.
             exact: |x| {

@@ -1,21 +1,8 @@
 //! Every term of the shading model at the extremes of its inputs, against its exact value.
 
-use bxdf_tests::stability::{Measured, STABLE_ULPS, Term, faults};
+use bxdf_tests::stability::{STABLE_ULPS, faults};
 use bxdf_tests::{Plan, Precision, run_seed};
-use rayon::prelude::*;
-
-fn measured(terms: &[Term]) -> Vec<Measured> {
-    let seed = run_seed();
-    println!("BXDF_TESTS_SEED={seed}");
-    let plan = Plan::new(seed, []);
-    terms
-        .par_iter()
-        .flat_map_iter(|term| {
-            [Precision::F32, Precision::F64].map(|precision| term.measure(precision, &plan))
-        })
-        .flatten_iter()
-        .collect()
-}
+use gonio::stability::{measure, terms};
 
 #[test]
 fn stable_forms_are_stable_at_the_extremes_and_textbook_forms_are_not() {

@@ -12,6 +12,7 @@ pub(super) fn terms() -> Vec<Term> {
         name: "geometry/sin2_theta",
         statement: "sin² θ of a direction",
         inputs: &["x", "y", "z"],
+        variables: 3,
         range: "θ from 1e-7 (f32) or 1e-15 (f64) to 90°",
         exact: |x| {
             let [x, y] = [big(x[0]), big(x[1])];
@@ -39,6 +40,14 @@ pub(super) fn direction(theta: f64, phi: f64) -> [f64; 3] {
     let (sin_theta, cos_theta) = libm::sincos(theta);
     let (sin_phi, cos_phi) = libm::sincos(phi);
     [sin_theta * cos_phi, sin_theta * sin_phi, cos_theta]
+}
+
+/// The cosine up to which directions lie in the tangent plane.
+pub(super) fn tangent(precision: Precision) -> f64 {
+    match precision {
+        Precision::F32 => f64::from(f32::TANGENT),
+        Precision::F64 => f64::TANGENT,
+    }
 }
 
 fn smallest_angle(precision: Precision) -> f64 {
