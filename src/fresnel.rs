@@ -96,9 +96,9 @@ pub struct ConductorBoundary<F> {
 ///
 /// # Definition
 /// With c = cos θi, s = sin θi and N cos θt = √(N² − s²) = a + i b:
-/// R_s = ((a − c)² + b²) / ((a + c)² + b²), R_p = R_s ((a c − s²)² + (b c)²) / ((a c + s²)² + (b c)²),
+/// R_s = |N² − 1|² / ((a + c)² + b²)², R_p = R_s ((a c − s²)² + (b c)²) / ((a c + s²)² + (b c)²),
 /// the complex amplitudes of Born & Wolf, *Principles of Optics* §14.2, multiplied out. Every term is a square,
-/// so nothing is negative, and 1 − R is 4 a c over the same denominator. The smaller of a and b comes from
+/// so nothing is negative, and 1 − R_s is 4 a c / ((a + c)² + b²). The smaller of a and b comes from
 /// a b = η k, because √(½(|N² − s²| ± Re(N² − s²))) cancels for the smaller one.
 ///
 /// # Limits
@@ -125,7 +125,8 @@ pub fn conductor<F: Real>(cos_theta_i: F, eta: F, k: F) -> ConductorBoundary<F> 
         let (none, all) = (Polarized { s: F::ZERO, p: F::ZERO }, Polarized { s: F::ONE, p: F::ONE });
         return ConductorBoundary { reflectance: none, absorptance: all };
     }
-    let r_s = ((a - c).squared() + b * b) / sum;
+    // a − c cancels between nearly matched media, and squares of a tiny N² − 1 underflow.
+    let r_s = (((eta - F::ONE) * (eta + F::ONE) - k * k) / sum).squared() + (imaginary / sum).squared();
     let a_s = F::FOUR * a * c / sum;
     let p_sum = (a * c + s2).squared() + (b * c).squared();
     // At normal incidence both polarisations are the same, also where an index near 0 makes this 0/0.

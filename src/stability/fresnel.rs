@@ -63,7 +63,7 @@ pub(super) fn terms() -> Vec<Term> {
             exact: |x| exact_conductor(x, |boundary| boundary.reflectance),
             regions: conductor_regions,
             forms: forms![
-                stable "squares over a, b; a b = η k" conductor_reflectance,
+                stable "|N² − 1|² / ((a + c)² + b²)²; a b = η k" conductor_reflectance,
                 control "both roots by difference" conductor_reflectance_of_differences,
             ],
         },
@@ -143,6 +143,16 @@ fn conductor_regions(precision: Precision) -> Vec<Region> {
                 Axis::among("η", indices),
             ],
             inputs: |x| vec![1.0 - x[0], x[2], x[1]],
+        },
+        Region {
+            name: "nearly matched media",
+            axes: vec![
+                Axis::logarithmic("|η − 1|", precision.epsilon(), 0.5),
+                Axis::logarithmic("k", 1e-12, 1.0),
+                Axis::among("side", [-1.0, 1.0]),
+                Axis::logarithmic("cos θ", 1e-3, 1.0),
+            ],
+            inputs: |x| vec![x[3], 1.0 + x[2] * x[0], x[1]],
         },
         Region {
             name: "no extinction",
