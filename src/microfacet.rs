@@ -16,7 +16,7 @@
 //! (Torrance–Sparrow, Cook–Torrance, Blinn): a choice of the distribution, not another lobe.
 
 mod beckmann;
-mod gaussian;
+pub(crate) mod gaussian;
 mod ggx;
 mod shadowing;
 

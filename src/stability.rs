@@ -1,7 +1,7 @@
 //! Every term of the shading model beside its exact value, over the extremes of its inputs.
 //!
 //! The laboratory measures ([`bxdf_tests::stability`]); here stand the terms: what lobes compute, as they compute it, the
-//! exact value in 512 bits, and the textbook form as a control that must be seen to fail.
+//! exact value in 320 bits, and the textbook form as a control that must be seen to fail.
 
 mod big;
 

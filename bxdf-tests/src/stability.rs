@@ -5,6 +5,8 @@
 //! rounding the variables costs any formula is set aside (Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd
 //! edition, 2002, §1.6, <https://doi.org/10.1137/1.9780898718027>).
 
+use core::cell::OnceCell;
+
 use crate::Precision;
 use crate::plan::Plan;
 use crate::search::refine;
@@ -231,6 +233,14 @@ impl Measured {
     }
 }
 
+/// Inputs with what is known of the exact value there.
+struct Point {
+    inputs: Vec<f64>,
+    exact: Exact,
+    /// Asked for where a form errs.
+    condition: OnceCell<f64>,
+}
+
 /// The distance between neighbours at `x` in a precision; below the smallest normal number it no longer shrinks.
 fn ulp(precision: Precision, x: f64) -> f64 {
     let (smallest, epsilon) = (precision.smallest_normal(), precision.epsilon());
@@ -257,26 +267,36 @@ fn bits(precision: Precision, x: f64) -> String {
 impl Term {
     /// A form at inputs that the precision holds exactly; `None` outside the domain.
     pub fn at(&self, form: &Form, precision: Precision, inputs: &[f64]) -> Option<Witness> {
-        let exact = (self.exact)(inputs)?;
+        Some(self.witness(form, precision, &self.point(inputs.to_vec())?))
+    }
+
+    fn point(&self, inputs: Vec<f64>) -> Option<Point> {
+        let exact = (self.exact)(&inputs)?;
+        Some(Point { inputs, exact, condition: OnceCell::new() })
+    }
+
+    fn witness(&self, form: &Form, precision: Precision, point: &Point) -> Witness {
+        let Point { inputs, exact, condition } = point;
         let computed = form.value(precision, inputs);
-        let unit = ulp(precision, exact.nearest);
         let ulps = if precision.round(exact.nearest) == computed && !computed.is_finite() {
             // Both beyond the largest number.
             0.0
         } else if computed.is_finite() {
-            exact.minus(computed).abs() / unit
+            exact.minus(computed).abs() / ulp(precision, exact.nearest)
         } else {
             f64::INFINITY
         };
-        let condition = if ulps <= UNASKED_ULPS { 1.0 } else { self.condition(precision, inputs, exact) };
-        Some(Witness {
-            inputs: inputs.to_vec(),
+        let is_small = ulps <= UNASKED_ULPS;
+        let condition =
+            if is_small { 1.0 } else { *condition.get_or_init(|| self.condition(precision, inputs, *exact)) };
+        Witness {
+            inputs: inputs.clone(),
             bits: inputs.iter().map(|&x| bits(precision, x)).collect(),
             computed,
             exact: exact.nearest,
             ulps,
             condition,
-        })
+        }
     }
 
     /// The sum over the variables of how far the exact value moves, in ulps, when one of them moves to a neighbour.
@@ -320,11 +340,13 @@ impl Term {
             let coordinates: Vec<f64> = region.axes.iter().zip(place).map(|(axis, &t)| axis.at(t)).collect();
             (region.inputs)(&coordinates).into_iter().map(|x| precision.round(x)).collect()
         };
+        let points: Vec<Option<Point>> = cells.iter().map(|place| self.point(inputs(place))).collect();
         self.forms
             .iter()
             .map(|form| {
                 let at = |place: &[f64]| self.at(form, precision, &inputs(place));
-                let found: Vec<Option<Witness>> = cells.iter().map(|place| at(place)).collect();
+                let found: Vec<Option<Witness>> =
+                    points.iter().map(|point| Some(self.witness(form, precision, point.as_ref()?))).collect();
                 let map =
                     found.iter().map(|witness| witness.as_ref().map(|w| w.conditioned() as f32)).collect();
                 let mut witnesses: Vec<(Witness, &Vec<f64>)> = found

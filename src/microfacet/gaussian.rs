@@ -17,7 +17,7 @@ fn angle_over_sine<F: Real>(sin2: F, z: F) -> F {
 /// D(m) / D(n) = exp(−((θx/αx)² + (θy/αy)²)), where (θx, θy) is the angle θ in the direction of m; `stretched` is
 /// (m.x/αx)² + (m.y/αy)², for a unit vector.
 #[inline(never)]
-pub(super) fn density<F: Real>(stretched: F, sin2: F, z: F) -> F {
+pub(crate) fn density<F: Real>(stretched: F, sin2: F, z: F) -> F {
     (-stretched * angle_over_sine(sin2, z).squared()).exp()
 }
 

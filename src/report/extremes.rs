@@ -200,7 +200,7 @@ pub(super) fn section(extremes: &Extremes) -> Markup {
     html! {
         h2 { "At the extremes the form decides, not the precision" }
         p {
-            "Every term against its exact value in 512 bits, from grazing incidence to the normal, from nearly matched media to "
+            "Every term against its exact value in 320 bits, from grazing incidence to the normal, from nearly matched media to "
             "metals, from α = 1e-4 to 1. Errors are in ulps over the condition number: what rounding the inputs costs "
             "any form is set aside; " (power(STABLE_ULPS)) " is the limit. All "
             (extremes.terms.len()) " forms in use keep it in both precisions, the " (controls) " textbook forms beside them do not. "
