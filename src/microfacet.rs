@@ -15,9 +15,9 @@
 //! Masking–shadowing is Smith's (facets scattered at random over a height field), or that of V-shaped cavities
 //! (Torrance–Sparrow, Cook–Torrance, Blinn): a choice of the distribution, not another lobe.
 
-mod beckmann;
+pub(crate) mod beckmann;
 pub(crate) mod gaussian;
-mod ggx;
+pub(crate) mod ggx;
 mod shadowing;
 
 pub use shadowing::{NoSmithForm, Shadowing};
@@ -345,7 +345,7 @@ impl<F: Real> Distribution<F> {
         };
         let radius = match self.shape {
             Shape::Ggx => (u[0] / (F::ONE - u[0])).sqrt(),
-            Shape::Beckmann | Shape::Gaussian => (-(-u[0]).ln_1p()).sqrt(),
+            Shape::Beckmann | Shape::Gaussian => beckmann::slope_along_normal(u[0]),
         };
         let (x, y) = slope(radius);
         let m = match self.shape {

@@ -161,8 +161,8 @@ pub struct Term {
     pub statement: &'static str,
     /// The inputs, in order: variables first, then parameters.
     pub inputs: &'static [&'static str],
-    /// How many of the inputs are variables: directions and random numbers, which come rounded. Parameters are what their
-    /// author wrote; a form has to do with them as they are.
+    /// How many of the inputs are variables, which come rounded, as directions do. Parameters are what their author wrote;
+    /// a form has to do with them as they are.
     pub variables: usize,
     /// Where the stable form is claimed to be stable; the regions lie in it and reach its edges.
     pub range: &'static str,

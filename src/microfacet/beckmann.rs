@@ -52,6 +52,12 @@ pub(super) fn sample_visible_unit<F: Real>(w: F::Vec3, [u0, u1]: [F; 2]) -> F::V
     VisibleNormals::<F>::new(w, u0).at(u1)
 }
 
+/// The steepness of a Gaussian slope, √(−ln(1 − u)) with the digits of small u.
+#[inline]
+pub(crate) fn slope_along_normal<F: Real>(u: F) -> F {
+    (-(-u).ln_1p()).sqrt()
+}
+
 /// [`sample_visible_unit`] of one first uniform, on which the costly part depends alone.
 pub(super) enum VisibleNormals<F> {
     /// Seen along the normal all slopes are visible, an isotropic Gaussian: the steepness.
@@ -66,7 +72,7 @@ impl<F: Real> VisibleNormals<F> {
         let sin_theta = (w.x() * w.x() + w.y() * w.y()).sqrt();
         // Below, the slant changes the density by less than its rounding.
         if sin_theta < F::EPSILON {
-            return Self::AlongNormal((-(F::ONE - u0).ln()).sqrt());
+            return Self::AlongNormal(slope_along_normal(u0));
         }
         Self::Oblique(invert_slope(w.z() / sin_theta, u0), [w.x() / sin_theta, w.y() / sin_theta])
     }
@@ -89,7 +95,7 @@ impl<F: Real> VisibleNormals<F> {
 }
 
 /// The slope s ≤ c with I(s) = u I(c), where I(s) = ½ [c erfc(−s) + e^{−s²} / √π].
-fn invert_slope<F: Real>(c: F, u: F) -> F {
+pub(crate) fn invert_slope<F: Real>(c: F, u: F) -> F {
     // I and its derivative (c − s) e^{−s²} / √π share the exponential.
     let integral = |s: F| {
         let gaussian = (-s * s).exp() * frac_1_sqrt_pi();
@@ -122,7 +128,7 @@ fn invert_slope<F: Real>(c: F, u: F) -> F {
 
 /// A first guess of the slope: I is c times a Gaussian integral, inverted by Winitzki's formula, plus a Rayleigh
 /// integral; the two inverses are averaged in these proportions.
-fn guess_slope<F: Real>(c: F, u: F) -> F {
+pub(crate) fn guess_slope<F: Real>(c: F, u: F) -> F {
     let tiny = F::EPSILON * F::EPSILON;
     let rayleigh = -(-u.max(tiny).ln()).sqrt();
     let a = F::from_f64(4.33); // 2 / (π · 0.147)

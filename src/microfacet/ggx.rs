@@ -35,7 +35,7 @@ pub(super) fn lambda<F: Real>(z: F, s_squared: F) -> F {
 /// Dupuy & Benyoub, *Computer Graphics Forum* 42(8), 2023, <https://doi.org/10.1111/cgf.14867>. Scaled so that nothing
 /// is divided: |s| + s.z is twice the projected area, and the sum's height is (1 − u₀) of it.
 #[inline(always)]
-pub(super) fn sample_visible_unit<F: Real>(s: F::Vec3, [u0, u1]: [F; 2]) -> F::Vec3 {
+pub(crate) fn sample_visible_unit<F: Real>(s: F::Vec3, [u0, u1]: [F; 2]) -> F::Vec3 {
     let horizontal = s.x() * s.x() + s.y() * s.y();
     let length = two_sided_area(s.z(), horizontal);
     let height = if s.z() >= F::ZERO { length + s.z() } else { horizontal / (length - s.z()) };

@@ -112,7 +112,7 @@ fn masking() -> Vec<Term> {
             statement: "Λ of Beckmann",
             inputs: DIRECTION,
             variables: 3,
-            range: "α in [1e-4, 1]; cot θ up to 8α, beyond which Λ < 1e-29 is nothing beside 1",
+            range: "α in [1e-4, 1]; cot θ up to 5α, beyond which Λ < 1e-13",
             exact: |x| above(&x[..3]).and_then(|()| beckmann_lambda(&x[..3], &x[3..])).map(|x| exact(&x)),
             regions: slope_regions,
             forms: forms![
@@ -462,10 +462,10 @@ fn beckmann_area(w: &[f64], alpha: &[f64]) -> Big {
     (&z * erfc(&-&a) + s * (-square(&a)).exp() * frac_1_sqrt_pi()) / big(2.0)
 }
 
-/// Λ = ½ (e^{−a²} / (a √π) − erfc a), where a = z/s is at most 8.
+/// Λ = ½ (e^{−a²} / (a √π) − erfc a), where a = z/s is at most 5.
 fn beckmann_lambda(w: &[f64], alpha: &[f64]) -> Option<Big> {
     let s = seen(w, alpha).sqrt();
-    if big(w[2]) > big(8.0) * &s {
+    if big(w[2]) > big(5.0) * &s {
         return None;
     }
     let a = big(w[2]) / s;
