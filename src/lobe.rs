@@ -82,7 +82,9 @@ lobes! {
     refractive_layer::RefractiveLayer: "a transparent layer over any base",
 }
 
+pub(crate) use fabric::g as fabric_power;
 pub use oren_nayar::OrenNayarModel;
+pub(crate) use oren_nayar::loss as oren_nayar_loss;
 
 #[cfg(test)]
 mod tests {

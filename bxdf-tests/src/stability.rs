@@ -402,8 +402,7 @@ pub fn faults(measured: &[Measured]) -> Vec<String> {
             continue;
         };
         let error = witness.conditioned();
-        // NaN is a fault.
-        if !entry.is_control && !(error <= STABLE_ULPS) {
+        if !entry.is_control && (error.is_nan() || error > STABLE_ULPS) {
             faults.push(format!(
                 "{term}, `{form}`, {precision:?}, {region}: {error:.1} ulp, limit {STABLE_ULPS}: {:e} for {:e} at {:?} (bits {}), condition {:.3e}",
                 witness.computed,

@@ -166,7 +166,8 @@ fn fit(curve: &[f64; ANGLES], start: [f64; 2], largest_k: f64) -> [f64; 2] {
         ];
         let next = [(at[0] - step[0]).max(0.0), (at[1] - step[1]).clamp(0.0, largest_k)];
         let there = residuals(curve, next);
-        if cost(&there) < cost(&here) {
+        // N = 0 reflects everything, as each η = 0 does, but is no material.
+        if next != [0.0; 2] && cost(&there) < cost(&here) {
             let moved = (next[0] - at[0]).abs() + (next[1] - at[1]).abs();
             (at, here, damping) = (next, there, damping * 0.3);
             if moved < 1e-9 {

@@ -108,7 +108,7 @@ impl<F: Real> Fabric<F> {
 
     /// 1 − Ê.
     #[inline]
-    fn missing(&self, w: F::Vec3) -> F {
+    pub(crate) fn missing(&self, w: F::Vec3) -> F {
         let mu = w.z().abs();
         let coefficients = &self.missing[..self.exponent as usize];
         let sum = coefficients.iter().rev().fold(F::ZERO, |sum, &coefficient| sum * mu + coefficient);
@@ -136,7 +136,7 @@ impl<F: Real> Fabric<F> {
 
 /// ((1 + wo·wi)/2)ᵖ, as |wo + wi|²/4: nothing cancels between opposite directions.
 #[inline]
-fn g<F: Real>(wo: F::Vec3, wi: F::Vec3, exponent: u32) -> F {
+pub(crate) fn g<F: Real>(wo: F::Vec3, wi: F::Vec3, exponent: u32) -> F {
     let sum = (wo + wi) * F::HALF;
     let base = sum.dot(sum);
     (0..exponent.trailing_zeros()).fold(base, |power, _| power * power)

@@ -217,7 +217,7 @@ impl<F: Real> OrenNayar<F> {
 ///
 /// With S = sin θ and µ = |cos θ|, (1 − S)(π/2 − 2/3) + S (asin µ − µ (1 − S)(2 + S) / 3(1 + S)): the printed
 /// form of E rearranged, so that nothing cancels at grazing angles, where E → 1.
-fn loss<F: Real>(w: F::Vec3) -> F {
+pub(crate) fn loss<F: Real>(w: F::Vec3) -> F {
     let (sine, mu) = (sin2_theta::<F>(w).sqrt(), w.z().abs());
     let one_minus_sine = mu * mu / (F::ONE + sine);
     let product = mu * one_minus_sine * (F::TWO + sine) / (F::from_f64(3.0) * (F::ONE + sine));

@@ -215,11 +215,14 @@ impl<F: Real> RefractiveLayer<F> {
             // All internal reflections keep their angle: a geometric series.
             let there = dielectric(wo.z(), self.eta);
             let path = F::ONE / there.cos_theta_t + F::ONE / scatter.wi.z();
-            let internal = there.reflectance.unpolarized() * probability;
+            let (reflectance, transmittance) =
+                (there.reflectance.unpolarized(), there.transmittance.unpolarized());
             for channel in 0..3 {
-                let absorbed = (-self.optical_depth[channel] * path).exp();
-                weight.0[channel] =
-                    weight[channel] / (F::ONE - internal * scatter.weight[channel] * absorbed);
+                // 1 − F R a² = T + F (1 − R a²): at grazing incidence F is 1 to the last digit, and T is not 0.
+                let exponent = -self.optical_depth[channel] * path;
+                let base = scatter.weight[channel] * probability;
+                let kept = (F::ONE - base) - base * exponent.exp_m1();
+                weight.0[channel] = weight[channel] / (transmittance + reflectance * kept);
             }
         }
         Some(BxdfSample { wi, weight, pdf: Pdf::Discrete(probability), eta: F::ONE })

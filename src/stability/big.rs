@@ -46,6 +46,11 @@ pub(super) fn frac_1_sqrt_pi() -> &'static Big {
     FRACTION.get_or_init(|| big(1.0) / pi().sqrt())
 }
 
+/// e^{−x} for x ≥ 0; 0 where that is less than any precision holds.
+pub(super) fn exp_minus(x: Big) -> Big {
+    if x > big(1e6) { big(0.0) } else { (-x).exp() }
+}
+
 /// The complementary error function.
 ///
 /// Up to 10 from Kummer's series of erf, whose terms are positive (DLMF 7.6.2, <https://dlmf.nist.gov/7.6>); above, from

@@ -162,26 +162,27 @@ fn conductor_regions(precision: Precision) -> Vec<Region> {
     ]
 }
 
-struct Dielectric {
-    reflectance: Big,
-    transmittance: Big,
-    cos_theta_t: Big,
+/// What is exact of a boundary of dielectrics.
+pub(super) struct Dielectric {
+    pub(super) reflectance: Big,
+    pub(super) transmittance: Big,
+    pub(super) cos_theta_t: Big,
 }
 
 fn exact_dielectric(x: &[f64], of: fn(Dielectric) -> Big) -> Option<Exact> {
-    if !(0.0..=1.0).contains(&x[0]) || x[1] <= 0.0 || (x[0] == 0.0 && x[1] == 1.0) {
+    dielectric_boundary(x[0], x[1]).map(|boundary| exact(&of(boundary)))
+}
+
+/// The boundary for a cosine and an index; `None` outside the domain.
+pub(super) fn dielectric_boundary(cos_theta: f64, eta: f64) -> Option<Dielectric> {
+    if !(0.0..=1.0).contains(&cos_theta) || eta <= 0.0 || (cos_theta == 0.0 && eta == 1.0) {
         return None;
     }
-    let (one, c, eta) = (big(1.0), big(x[0]), big(x[1]));
+    let (one, c, eta) = (big(1.0), big(cos_theta), big(eta));
     let bend = (&eta - &one) * (&eta + &one);
     let g_squared = &bend + &c * &c;
     if g_squared <= Big::ZERO {
-        let (all, none) = (one, big(0.0));
-        return Some(exact(&of(Dielectric {
-            reflectance: all,
-            transmittance: none.clone(),
-            cos_theta_t: none,
-        })));
+        return Some(Dielectric { reflectance: one, transmittance: big(0.0), cos_theta_t: big(0.0) });
     }
     let g = g_squared.sqrt();
     let sum = &c + &g;
@@ -194,7 +195,7 @@ fn exact_dielectric(x: &[f64], of: fn(Dielectric) -> Big) -> Option<Exact> {
     // Of both polarisations half.
     let transmittance = big(2.0) * &cg * (big(1.0) / (&sum * &sum) + eta2 / (&p_sum * &p_sum));
     let reflectance = &r_s * &r_s * (one + &ratio * &ratio) / big(2.0);
-    Some(exact(&of(Dielectric { reflectance, transmittance, cos_theta_t: g / eta })))
+    Some(Dielectric { reflectance, transmittance, cos_theta_t: g / eta })
 }
 
 struct Conductor {

@@ -42,9 +42,16 @@ pub(super) fn direction(theta: f64, phi: f64) -> [f64; 3] {
     [sin_theta * cos_phi, sin_theta * sin_phi, cos_theta]
 }
 
-/// The cosine up to which directions lie in the tangent plane.
+/// The direction of the given cosine and azimuth \[rad\].
+pub(super) fn at_cosine(cos_theta: f64, phi: f64) -> [f64; 3] {
+    let sin_theta = ((1.0 - cos_theta) * (1.0 + cos_theta)).sqrt();
+    let (sin_phi, cos_phi) = libm::sincos(phi);
+    [sin_theta * cos_phi, sin_theta * sin_phi, cos_theta]
+}
+
+/// A cosine next to the largest of directions in the tangent plane.
 pub(super) fn tangent(precision: Precision) -> f64 {
-    match precision {
+    2.0 * match precision {
         Precision::F32 => f64::from(f32::TANGENT),
         Precision::F64 => f64::TANGENT,
     }

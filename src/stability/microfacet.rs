@@ -2,8 +2,8 @@
 
 use bxdf_tests::Precision;
 
-use super::big::{Big, beta, big, erfc, exact, frac_1_sqrt_pi, pi, square};
-use super::geometry::{direction, tangent};
+use super::big::{Big, beta, big, erfc, exact, exp_minus, frac_1_sqrt_pi, pi, square};
+use super::geometry::{at_cosine, direction, tangent};
 use super::{Axis, Form, Region, Term};
 use crate::microfacet::{ALPHA_MIN, Distribution, Shadowing, Shape, gaussian};
 use crate::real::{Real, Vector};
@@ -255,13 +255,6 @@ fn scattering() -> Vec<Term> {
     ]
 }
 
-/// The direction of the given cosine and azimuth \[rad\].
-fn at_cosine(cos_theta: f64, phi: f64) -> [f64; 3] {
-    let sin_theta = ((1.0 - cos_theta) * (1.0 + cos_theta)).sqrt();
-    let (sin_phi, cos_phi) = libm::sincos(phi);
-    [sin_theta * cos_phi, sin_theta * sin_phi, cos_theta]
-}
-
 /// The direction of the given tangent and azimuth \[rad\].
 fn normal(tan_theta: f64, phi: f64) -> [f64; 3] {
     direction(libm::atan(tan_theta), phi)
@@ -421,12 +414,8 @@ fn ggx_d(x: &[f64]) -> Big {
 fn beckmann_d(x: &[f64]) -> Big {
     let x = bigs(x);
     let z2 = square(&x[2]);
-    // Below the least number of any precision, and beyond what is an exponent at all.
     let exponent = stretched(&x, [&x[3], &x[4]]) / &z2;
-    if exponent > big(1e6) {
-        return big(0.0);
-    }
-    (-exponent).exp() / (pi() * &x[3] * &x[4] * square(&z2))
+    exp_minus(exponent) / (pi() * &x[3] * &x[4] * square(&z2))
 }
 
 fn gaussian_d(x: &[f64]) -> Big {
@@ -436,7 +425,7 @@ fn gaussian_d(x: &[f64]) -> Big {
         return big(1.0);
     }
     let exponent = stretched(&x, [&x[3], &x[4]]) * square(&(sine.atan2(&x[2]) / &sine));
-    if exponent > big(1e6) { big(0.0) } else { (-exponent).exp() }
+    exp_minus(exponent)
 }
 
 /// s² = (αx x)² + (αy y)².
