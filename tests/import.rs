@@ -193,7 +193,10 @@ fn traps_are_named_by_line_value_and_way_out() {
             after("        0.4 1.6 0\n"),
             "G404 page.yml:5: wavelength 0.4 µm is repeated with other values than on line 4; keep one row",
         ),
-        (after("        0.4 1.5 0\n"), "G404 page.yml:2: 1 rows; at least two are needed to interpolate"),
+        (
+            after("        0.4 1.5 0\n"),
+            "G404 page.yml:2: too few rows (1); at least two are needed to interpolate",
+        ),
         (
             "DATA:\n- type: tabulated n\n  data: |\n\n\n    1 2 3\n".to_owned(),
             "G404 page.yml:6: 3 figures in a row of `tabulated n`; expected wavelength [µm], n",
@@ -288,6 +291,12 @@ fn what_is_beyond_doubt_is_read() {
             "markup",
             format!(
                 "REFERENCES: |\n    <a href=\"x\">*J*</a> [y](z) <b # & - : {{\n{TABLE}        0.5 1.6 1e-3\n"
+            ),
+        ),
+        (
+            "quoted texts that go on at the margin",
+            format!(
+                "REFERENCES: \"1) A: B\n<sup>*</sup> Ref. 1\nand so on: C\"\nCOMMENTS: 'a\nb'\n{TABLE}        0.5 1.6 1e-3\n"
             ),
         ),
         (

@@ -43,7 +43,9 @@ impl fmt::Display for Problem {
                 write!(f, "no column `{column}`; found {found}. A table has the columns ")?;
                 write!(f, "wavelength_nm (or wavelength_um), eta (or n), k")
             }
-            Self::TooShort(rows) => write!(f, "{rows} rows; at least two are needed to interpolate"),
+            Self::TooShort(rows) => {
+                write!(f, "too few rows ({rows}); at least two are needed to interpolate")
+            }
             Self::NotANumber(column, text) => write!(f, "`{column}` is `{text}`, which is not a number"),
             Self::OutOfRange(column, value, expected) => {
                 write!(f, "`{column}` is {value}; expected {expected}")

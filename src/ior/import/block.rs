@@ -120,7 +120,7 @@ fn table(columns: &str, data: &Text, line: usize) -> Result<Block, Problem> {
     }
     let rows = ascending(rows)?;
     if rows.len() < 2 {
-        let text = format!("{} rows; at least two are needed to interpolate", rows.len());
+        let text = format!("too few rows ({}); at least two are needed to interpolate", rows.len());
         return Err(Problem::at(line, Code::PageTable, text));
     }
     let curve = |column| {

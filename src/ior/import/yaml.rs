@@ -77,6 +77,22 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Node, Problem> {
         let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
         Problem::at(line, Code::PageSyntax, "not UTF-8; save the file in that encoding")
     })?;
+    read(text).or_else(|problem| read(&indented(text)).map_err(|_| problem))
+}
+
+/// With a space before what can only be the rest of a quoted text. Within quotes it counts for nothing, but YAML asks for
+/// it; PyYAML, with which the database is made, does not, and some of its pages lack it.
+fn indented(text: &str) -> String {
+    let is_rest = |line: &str| {
+        let key = line.split(':').next().unwrap_or_default();
+        let is_key =
+            key.len() < line.len() && key.bytes().all(|byte| byte.is_ascii_uppercase() || byte == b'_');
+        !is_key && line.starts_with(|first: char| !first.is_whitespace() && !"#-.%".contains(first))
+    };
+    text.split_inclusive('\n').flat_map(|line| [if is_rest(line) { " " } else { "" }, line]).collect()
+}
+
+fn read(text: &str) -> Result<Node, Problem> {
     let mut parser = Parser::new_from_str(text);
     let mut open: Vec<(usize, Open)> = Vec::new();
     let mut root = None;
