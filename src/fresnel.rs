@@ -98,8 +98,9 @@ pub struct ConductorBoundary<F> {
 /// With c = cos θi, s = sin θi and N cos θt = √(N² − s²) = a + i b:
 /// R_s = |N² − 1|² / ((a + c)² + b²)², R_p = R_s ((a c − s²)² + (b c)²) / ((a c + s²)² + (b c)²),
 /// the complex amplitudes of Born & Wolf, *Principles of Optics* §14.2, multiplied out. Every term is a square,
-/// so nothing is negative, and 1 − R_s is 4 a c / ((a + c)² + b²). The smaller of a and b comes from
-/// a b = η k, because √(½(|N² − s²| ± Re(N² − s²))) cancels for the smaller one.
+/// so nothing is negative, and 1 − R_s is 4 a c / ((a + c)² + b²). The denominators are sums with a² + b² = |N² − s²|,
+/// which is rounded less often. The smaller of a and b comes from a b = η k, because √(½(|N² − s²| ± Re(N² − s²)))
+/// cancels for the smaller one.
 ///
 /// # Limits
 /// k = 0 is the dielectric, total internal reflection included; η = 0 reflects everything.
@@ -119,7 +120,8 @@ pub fn conductor<F: Real>(cos_theta_i: F, eta: F, k: F) -> ConductorBoundary<F> 
         let b = (F::HALF * (modulus - real)).sqrt();
         (eta * k / b, b)
     };
-    let sum = (a + c).squared() + b * b;
+    let a_c = a * c;
+    let sum = modulus + c * c + F::TWO * a_c;
     if sum <= F::ZERO {
         // Only an index-matched medium (η = 1, k = 0) at exact grazing: it reflects nothing at any angle.
         let (none, all) = (Polarized { s: F::ZERO, p: F::ZERO }, Polarized { s: F::ONE, p: F::ONE });
@@ -127,11 +129,11 @@ pub fn conductor<F: Real>(cos_theta_i: F, eta: F, k: F) -> ConductorBoundary<F> 
     }
     // a − c cancels between nearly matched media, and squares of a tiny N² − 1 underflow.
     let r_s = (((eta - F::ONE) * (eta + F::ONE) - k * k) / sum).squared() + (imaginary / sum).squared();
-    let a_s = F::FOUR * a * c / sum;
-    let p_sum = (a * c + s2).squared() + (b * c).squared();
+    let a_s = F::FOUR * a_c / sum;
+    let p_sum = modulus * (c * c) + s2 * s2 + F::TWO * a_c * s2;
     // At normal incidence both polarisations are the same, also where an index near 0 makes this 0/0.
     let (p_ratio, p_rest) = if p_sum > F::ZERO {
-        (((a * c - s2).squared() + (b * c).squared()) / p_sum, F::FOUR * a * c * s2 / p_sum)
+        (((a_c - s2).squared() + (b * c).squared()) / p_sum, F::FOUR * a_c * s2 / p_sum)
     } else {
         (F::ONE, F::ZERO)
     };

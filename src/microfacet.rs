@@ -98,7 +98,9 @@ impl<F: Real> Distribution<F> {
         let (alpha_x, alpha_y) = (alpha_x.max(low), alpha_y.max(low));
         let (shadowing, peak) = match shape {
             Shape::Ggx | Shape::Beckmann => {
-                (Shadowing::SmithCorrelated, F::ONE / (F::PI * alpha_x * alpha_y))
+                // Rounded once.
+                let facets = core::f64::consts::PI * alpha_x.to_f64() * alpha_y.to_f64();
+                (Shadowing::SmithCorrelated, F::from_f64(1.0 / facets))
             }
             Shape::Gaussian => {
                 (Shadowing::VCavity, F::from_f64(gaussian::normalization(alpha_x.to_f64(), alpha_y.to_f64())))
@@ -551,7 +553,6 @@ pub struct RefractingFacet<F: Real> {
     pub cos_theta_o: F,
     /// Cosine below it, > 0.
     pub cos_theta_t: F,
-    /// dωm / dωi = |wi·m| η² / (wo·m + η wi·m)².
     jacobian: F,
 }
 
@@ -589,6 +590,11 @@ impl<F: Real> RefractingFacet<F> {
         }
         let difference = (sin2_theta::<F>(wi) - sin2_theta::<F>(wo)) / (cos_theta_o + cos_theta_i);
         difference - (eta - F::ONE) * cos_theta_i
+    }
+
+    /// dωm / dωi = |wi·m| η² / (wo·m + η wi·m)².
+    pub fn jacobian(&self) -> F {
+        self.jacobian
     }
 
     /// The facet of the sampled normal `m`, with its cosines on both sides; `eta` and `from_above` as for

@@ -78,6 +78,7 @@ pub(super) fn terms() -> Vec<Term> {
             forms: forms![
                 stable "4 a c / ((a + c)² + b²)" absorptance,
                 control "1 − R" rest_of_conductor,
+                control "1 − R, both roots by difference" rest_of_differences,
             ],
         },
     ]
@@ -285,4 +286,8 @@ fn conductor_reflectance_of_differences<F: Real>(x: &[F]) -> F {
 
 fn rest_of_conductor<F: Real>(x: &[F]) -> F {
     F::ONE - conductor_reflectance(x)
+}
+
+fn rest_of_differences<F: Real>(x: &[F]) -> F {
+    F::ONE - conductor_reflectance_of_differences(x)
 }

@@ -5,7 +5,7 @@ use bxdf_tests::Precision;
 use super::big::{Big, beta, big, erfc, exact, exp_minus, frac_1_sqrt_pi, pi, square};
 use super::geometry::{at_cosine, direction, tangent};
 use super::{Axis, Form, Region, Term};
-use crate::microfacet::{ALPHA_MIN, Distribution, Shadowing, Shape, gaussian};
+use crate::microfacet::{ALPHA_MIN, Distribution, RefractingFacet, Shadowing, Shape, gaussian};
 use crate::real::{Real, Vector};
 use crate::special;
 
@@ -172,6 +172,25 @@ fn masking() -> Vec<Term> {
             forms: forms![stable "cos cos / (σo σi)" separable_g2,],
         },
         Term {
+            name: "microfacet/v_cavity_g2",
+            statement: "G₂ of V-cavities about the half vector",
+            inputs: PAIR,
+            variables: 6,
+            range: ROUGHNESS,
+            exact: |x| {
+                let (_, wo, wi) = areas(x)?;
+                // Of h any length will do: it is above and below the line.
+                let h: Vec<Big> = (0..3).map(|i| big(x[i]) + big(x[3 + i])).collect();
+                let facing = (0..3).fold(big(0.0), |sum, i| sum + &h[i] * big(x[i]));
+                let facing_wi = (0..3).fold(big(0.0), |sum, i| sum + &h[i] * big(x[3 + i]));
+                let masking = big(2.0) * &h[2] * wo / facing;
+                let shadowing = big(2.0) * &h[2] * wi / facing_wi;
+                Some(exact(&masking.min(shadowing).min(big(1.0))))
+            },
+            regions: pair_regions,
+            forms: forms![stable "min(1, 2 cos θh cos θ / (w·h))" v_cavity_g2,],
+        },
+        Term {
             name: "microfacet/transmission_g2",
             statement: "G₂ of transmission, B(1 + Λo, 1 + Λi)",
             inputs: &["1 + Λo", "1 + Λi"],
@@ -252,7 +271,79 @@ fn scattering() -> Vec<Term> {
             },
             forms: forms![stable "D w·m / σ(w)" visible_pdf_of_ggx,],
         },
+        Term {
+            name: "microfacet/beckmann_reflection",
+            statement: "f of Beckmann without F, height-correlated Smith",
+            inputs: PAIR,
+            variables: 6,
+            range: ROUGHNESS,
+            exact: |x| {
+                let (wo, wi) = (big(x[2]), big(x[5]));
+                let [area_o, area_i] = [&x[..3], &x[3..6]].map(|w| beckmann_area(w, &x[6..]));
+                let h: Vec<Big> = (0..3).map(|i| big(x[i]) + big(x[3 + i])).collect();
+                let z2 = square(&h[2]);
+                let exponent = stretched(&h, [&big(x[6]), &big(x[7])]) / &z2;
+                let length_squared = square(&h[0]) + square(&h[1]) + &z2;
+                // D h⁴ of h of any length.
+                let d = exp_minus(exponent) * square(&(length_squared / z2)) / (pi() * big(x[6]) * big(x[7]));
+                let denominator = &area_i * &wo + (&area_o - &wo) * &wi;
+                (x[2] > 0.0 && x[5] > 0.0).then(|| exact(&(d / (big(4.0) * denominator))))
+            },
+            regions: pair_regions,
+            forms: forms![
+                stable "h of any length, over projected areas" reflection_of_beckmann,
+                control "over tan² θ = 1/cos² θ − 1, G₂ / (4 cos cos)" reflection_of_beckmann_by_tangent,
+            ],
+        },
+        Term {
+            name: "microfacet/refraction_jacobian",
+            statement: "dωm / dωi of a facet that refracts wo into wi",
+            inputs: &["wo.x", "wo.y", "wo.z", "wi.x", "wi.y", "wi.z", "η"],
+            variables: 6,
+            range: "η in [1, 4], |η − 1| from 2 ε, directions through a facet up to 45° from the normal",
+            exact: |x| {
+                let eta = big(x[6]);
+                let sum: Vec<Big> = (0..3).map(|i| big(x[i]) + &eta * big(x[3 + i])).collect();
+                let squared = sum.iter().fold(big(0.0), |total, x| total + square(x));
+                let length = squared.sqrt();
+                // The facet lies along the sum, on the side of wo; the light ends on the other.
+                let along =
+                    |w: &[f64]| (0..3).fold(big(0.0), |total, i| total + &sum[i] * big(w[i])) / &length;
+                let (cos_o, cos_t) = (along(&x[..3]), along(&x[3..6]));
+                let is_refraction = &cos_o * &cos_t < Big::ZERO && sum[2] != Big::ZERO && x[5] < 0.0;
+                let cos_t = if cos_t < Big::ZERO { -cos_t } else { cos_t };
+                is_refraction.then(|| exact(&(cos_t * square(&eta) / squared)))
+            },
+            regions: refraction_regions,
+            forms: forms![
+                stable "near the normal, cos θo − η cos θi from the sines" refraction_jacobian,
+            ],
+        },
     ]
+}
+
+fn refraction_regions(precision: Precision) -> Vec<Region> {
+    vec![Region {
+        name: "nearly matched media",
+        axes: vec![
+            Axis::logarithmic("η − 1", 2.0 * precision.epsilon(), 3.0),
+            Axis::logarithmic("θ to the facet", 1e-6, 1.5),
+            Axis::linear("slope of the facet", 0.0, 1.0),
+            Axis::linear("azimuth", 0.0, 6.3),
+        ],
+        inputs: |x| {
+            let eta = 1.0 + x[0];
+            let facet = normal(x[2], x[3]);
+            // wo in the plane of the facet's normal and of the first tangent, θ from the normal.
+            let tangent = [facet[2], 0.0, -facet[0]];
+            let length = libm::hypot(tangent[0], tangent[2]);
+            let (sin, cos) = libm::sincos(x[1]);
+            let cos_t = (1.0 - (sin / eta).powi(2)).sqrt();
+            let turned =
+                |along: f64, across: f64| [0, 1, 2].map(|i| along * facet[i] + across * tangent[i] / length);
+            [&turned(cos, sin)[..], &turned(-cos_t, -sin / eta), &[eta]].concat()
+        },
+    }]
 }
 
 /// The direction of the given tangent and azimuth \[rad\].
@@ -608,6 +699,11 @@ fn separable_g2<F: Real>(x: &[F]) -> F {
     of(Shape::Ggx, Some(Shadowing::SmithSeparable), x, |ggx| ggx.g2(first(x), second(x), up))
 }
 
+fn v_cavity_g2<F: Real>(x: &[F]) -> F {
+    let h = (first(x) + second(x)).normalize();
+    of(Shape::Ggx, Some(Shadowing::VCavity), x, |ggx| ggx.g2(first(x), second(x), h))
+}
+
 fn beta_function<F: Real>(x: &[F]) -> F {
     special::beta(x[0], x[1])
 }
@@ -624,6 +720,22 @@ fn reflection_of_ggx_by_cosine<F: Real>(x: &[F]) -> F {
     let h = (first(x) + second(x)).normalize();
     let d = d_of_ggx_by_cosine(&[h.x(), h.y(), h.z(), x[6], x[7]]);
     d * correlated_g2(x) / (F::FOUR * x[2] * x[5])
+}
+
+fn reflection_of_beckmann<F: Real>(x: &[F]) -> F {
+    of(Shape::Beckmann, None, x, |beckmann| beckmann.reflection(first(x), second(x)).value)
+}
+
+fn reflection_of_beckmann_by_tangent<F: Real>(x: &[F]) -> F {
+    let h = (first(x) + second(x)).normalize();
+    let d = d_of_beckmann_by_tangent(&[h.x(), h.y(), h.z(), x[6], x[7]]);
+    let g2 = of(Shape::Beckmann, None, x, |beckmann| beckmann.g2(first(x), second(x), h));
+    d * g2 / (F::FOUR * x[2] * x[5])
+}
+
+fn refraction_jacobian<F: Real>(x: &[F]) -> F {
+    RefractingFacet::<F>::between(first(x), second(x), x[6], true)
+        .map_or(F::ZERO / F::ZERO, |facet| facet.jacobian())
 }
 
 fn pdf_of_ggx<F: Real>(x: &[F]) -> F {
