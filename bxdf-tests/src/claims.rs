@@ -75,6 +75,11 @@ pub struct Waiver {
     pub reason: String,
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_zero(x: &f64) -> bool {
+    *x == 0.0
+}
+
 /// What a specimen promises.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Claims {
@@ -99,6 +104,12 @@ pub struct Claims {
     pub boundary: Option<Boundary>,
     /// Single scattering at the micro surface that [`crate::Specimen::microsurface`] exposes.
     pub microfacet: bool,
+    /// The least |cos θo| from which the precision resolves the lobe: 0, unless the lobe is so narrow that next to the
+    /// tangent plane the rounding of directions moves the half vector across it. There no density has an integral that
+    /// samples could be compared with; directions below are replaced by the lowest that is claimed, and suite
+    /// `normalised` sees to it that no more is left out than has to be.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub least_cosine: f64,
     /// Suites that are expected to find a violation.
     pub waivers: Vec<Waiver>,
 }
@@ -117,6 +128,7 @@ impl Claims {
             energy: Some(Energy::Conserving),
             boundary: None,
             microfacet: false,
+            least_cosine: 0.0,
             waivers: Vec::new(),
         }
     }

@@ -73,7 +73,7 @@ impl Plan {
             let anywhere =
                 [90.0 * generator.random::<f64>(), core::f64::consts::TAU * generator.random::<f64>()];
             for (i, [polar_deg, azimuth]) in grid(claims).into_iter().chain([anywhere]).enumerate() {
-                let [x, y, z] = direction(polar_deg, azimuth);
+                let [x, y, z] = resolved(direction(polar_deg, azimuth), claims);
                 let wo = [x, y, side * z];
                 let transports = transports(claims);
                 let turn = (i + usize::from(!from_above)) % transports.len();
@@ -85,6 +85,14 @@ impl Plan {
             }
         }
         settings
+    }
+
+    /// The lowest direction of the grid, where the claims leave it out.
+    pub(crate) fn left_out(&self, claims: &Claims) -> Option<Setting> {
+        let [polar_deg, azimuth] = grid(claims).into_iter().max_by(|a, b| a[0].total_cmp(&b[0]))?;
+        let wo = direction(polar_deg, azimuth);
+        let transport = transports(claims).first().copied()?;
+        (wo[2] < claims.least_cosine).then_some(Setting { wo, transport, is_counted: false })
     }
 
     /// ln of the level of each statistical check (Bonferroni over the family).
@@ -155,6 +163,17 @@ pub(crate) fn direction(polar_deg: f64, azimuth: f64) -> Direction {
     let (sin_theta, cos_theta) = libm::sincos(polar_deg.to_radians());
     let (sin_phi, cos_phi) = libm::sincos(azimuth);
     [sin_theta * cos_phi, sin_theta * sin_phi, cos_theta]
+}
+
+/// A direction from above, or the lowest of its azimuth that the claims are about.
+fn resolved(wo: Direction, claims: &Claims) -> Direction {
+    let [x, y, z] = wo;
+    if z >= claims.least_cosine {
+        return wo;
+    }
+    let z = claims.least_cosine.min(1.0);
+    let stretch = ((1.0 - z) * (1.0 + z) / (x * x + y * y)).sqrt();
+    [x * stretch, y * stretch, z]
 }
 
 /// Polar angle \[deg\] and azimuth \[rad\] of the fixed directions.

@@ -157,7 +157,8 @@ pub struct PValue {
 
 /// What p-values allow to conclude: nothing where rounding decides, and neither the pdf nor the samples.
 fn concluded(survey: &Survey, mut p_values: Vec<PValue>) -> Vec<PValue> {
-    let reason = "the lobe is narrower than the directions that its precision can tell apart";
+    let reason =
+        "the lobe is narrower than the directions that its precision can tell apart (claim `least_cosine`)";
     for p_value in p_values.iter_mut().filter(|_| survey.is_coarse) {
         // NaN is not a matter of rounding.
         p_value.ln_p = if p_value.ln_p.is_nan() { f64::NAN } else { 0.0 };

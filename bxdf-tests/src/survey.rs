@@ -104,15 +104,35 @@ const ROUNDED: usize = 64;
 /// everything else to less than 0.16.
 const COARSE: f64 = 0.5;
 
-/// Whether the density at pilot samples changes by more than that as they move by 2 ε, which is what a reflection makes
-/// of the rounding of its facet.
-fn is_coarse(
+/// The same up to which no author need leave a direction out.
+const RESOLVED: f64 = 0.1;
+
+/// Whether the precision resolves the lobe at a setting that is not surveyed.
+pub(crate) fn is_resolved(
+    (specimen, name): (&dyn Specimen, &str),
+    precision: Precision,
+    plan: &Plan,
+    setting: &Setting,
+) -> bool {
+    let mut generator = plan.generator(name, setting, "left out");
+    let mut directions = Vec::new();
+    draw(specimen, setting, precision, &mut generator, BATCH, |_, scatter| {
+        directions.extend(scatter.filter(|scatter| Delta::of(*scatter).is_none()).map(|scatter| scatter.wi));
+    });
+    let mut densities = vec![0.0; directions.len()];
+    specimen.pdf_many(setting.wo, &directions, setting.transport, &mut densities);
+    change_by_rounding(specimen, setting, precision, &directions, &densities) <= RESOLVED
+}
+
+/// The relative change, rms, of the density at pilot samples as they move by 2 ε, which is what a reflection makes of the
+/// rounding of its facet.
+fn change_by_rounding(
     specimen: &dyn Specimen,
     setting: &Setting,
     precision: Precision,
     directions: &[Direction],
     densities: &[f64],
-) -> bool {
+) -> f64 {
     let step = 2.0 * precision.epsilon();
     let stride = directions.len().div_ceil(ROUNDED).max(1);
     let (mut sum, mut count) = (0.0, 0.0);
@@ -126,7 +146,7 @@ fn is_coarse(
             (sum, count) = (sum + squares, count + 1.0);
         }
     }
-    sum > COARSE * COARSE * count
+    if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
 }
 
 /// What an integral over the sphere may be wrong by beyond the error bound of its cubature: sums of rounded terms, and
@@ -269,7 +289,7 @@ impl Survey {
         let count = directions.len();
         let mut densities = vec![0.0; count];
         specimen.pdf_many(setting.wo, &directions, setting.transport, &mut densities);
-        let is_coarse = is_coarse(specimen, setting, precision, &directions, &densities);
+        let change = change_by_rounding(specimen, setting, precision, &directions, &densities);
         let pilots = directions
             .iter()
             .zip(densities)
@@ -284,7 +304,7 @@ impl Survey {
             fault: None,
             unsampled: None,
             solid_angle: SolidAngle::default(),
-            is_coarse,
+            is_coarse: change > COARSE,
             cell_mass: Vec::new(),
             integral: Integral::ZERO,
         };

@@ -173,6 +173,7 @@ fn search_worst(examination: &Examination<'_>, ledger: &mut Ledger) {
 /// A setting where power is carried, from three coordinates.
 fn power_setting(claims: &Claims, point: [f64; 3]) -> Setting {
     let [least, of_rounding] = GRAZING;
-    let setting = setting(claims, point, least.max(of_rounding * claims.precision.epsilon()));
+    let least = least.max(of_rounding * claims.precision.epsilon()).max(claims.least_cosine);
+    let setting = setting(claims, point, least);
     if claims.transmits { Setting { transport: Transport::Importance, ..setting } } else { setting }
 }

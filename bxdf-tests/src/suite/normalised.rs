@@ -2,7 +2,7 @@
 
 use super::{Examination, PValue};
 use crate::statistics::{detectable_mean, detectable_rate, ln_binomial_two_sided, ln_mean_two_sided};
-use crate::survey::{SolidAngle, Survey, Tally, slack};
+use crate::survey::{SolidAngle, Survey, Tally, is_resolved, slack};
 use crate::verdict::{Check, Ledger};
 
 /// Error of the mass above which nothing is said about it.
@@ -28,6 +28,13 @@ pub(super) fn run(examination: &Examination<'_>, ledger: &mut Ledger) {
             ledger.record(Check::new(what, if never { 1.0 - none } else { 0.0 }, 0.0, witness));
         }
         examination.judge(surveyed, ledger, |survey, tally| p_values(examination, survey, tally));
+    }
+    if let Some(setting) = examination.plan.left_out(&examination.claims) {
+        let subject = (examination.specimen, examination.name());
+        let is_needless = is_resolved(subject, precision, examination.plan, &setting);
+        let what = "a direction that `least_cosine` leaves out although the precision resolves the lobe";
+        let value = if is_needless { 1.0 } else { 0.0 };
+        ledger.record(Check::new(what, value, 0.0, setting.witness()));
     }
 }
 
