@@ -45,6 +45,8 @@ pub trait Real:
     const FOUR: Self;
     /// π.
     const PI: Self;
+    /// No number.
+    const NAN: Self;
     /// Distance from 1 to the next larger number.
     const EPSILON: Self;
     /// A direction whose cosine is not larger lies in the tangent plane.
@@ -149,6 +151,7 @@ macro_rules! implement_real {
             const TWO: Self = 2.0;
             const FOUR: Self = 4.0;
             const PI: Self = core::f64::consts::PI as $real;
+            const NAN: Self = $real::NAN;
             const EPSILON: Self = $real::EPSILON;
             const TANGENT: Self = $tangent;
             const NAME: &'static str = stringify!($real);

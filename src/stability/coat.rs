@@ -125,7 +125,7 @@ fn series_in_use<F: Real>(x: &[F]) -> F {
     let sin_theta = ((F::ONE - x[0]) * (F::ONE + x[0])).sqrt();
     let wo = F::Vec3::new(sin_theta, F::ZERO, x[0]);
     let sample = layer(x).and_then(|layer| layer.sample(wo, F::ZERO, [F::ZERO; 2], TransportMode::Radiance));
-    sample.map_or(F::ZERO / F::ZERO, |sample| sample.weight[0])
+    sample.map_or(F::NAN, |sample| sample.weight[0])
 }
 
 fn series_by_difference<F: Real>(x: &[F]) -> F {
@@ -137,7 +137,7 @@ fn series_by_difference<F: Real>(x: &[F]) -> F {
 
 fn sheet<F: Real>(x: &[F]) -> [F; 2] {
     ThinSheet::new(x[2], Rgb::splat(x[1]), Rgb::WHITE)
-        .map_or([F::ZERO / F::ZERO; 2], |sheet| sheet.fractions(x[0]).map(|fraction| fraction[0]))
+        .map_or([F::NAN; 2], |sheet| sheet.fractions(x[0]).map(|fraction| fraction[0]))
 }
 
 fn sheet_in_use<F: Real>(x: &[F]) -> F {

@@ -185,7 +185,7 @@ fn second<F: Real>(x: &[F]) -> F::Vec3 {
 
 fn oren_nayar_of_components<F: Real>(x: &[F]) -> F {
     OrenNayar::new(OrenNayarModel::Qualitative, Rgb::WHITE, x[6])
-        .map_or(F::ZERO / F::ZERO, |lobe| lobe.eval(first(x), second(x), TransportMode::Radiance)[0])
+        .map_or(F::NAN, |lobe| lobe.eval(first(x), second(x), TransportMode::Radiance)[0])
 }
 
 /// As printed: max(0, cos φ) sin α tan β, α ≥ β, from the angles.
@@ -216,7 +216,7 @@ fn eon_loss_as_published<F: Real>(x: &[F]) -> F {
 }
 
 fn fabric_loss_in_use<F: Real>(x: &[F]) -> F {
-    Fabric::new(Rgb::WHITE, F::ONE, EXPONENT).map_or(F::ZERO / F::ZERO, |fabric| fabric.missing(first(x)))
+    Fabric::new(Rgb::WHITE, F::ONE, EXPONENT).map_or(F::NAN, |fabric| fabric.missing(first(x)))
 }
 
 fn fabric_loss_by_difference<F: Real>(x: &[F]) -> F {

@@ -580,7 +580,7 @@ fn of<F: Real>(
         None => distribution,
         Some(shadowing) => distribution.and_then(|distribution| distribution.with_shadowing(shadowing).ok()),
     };
-    distribution.map_or(F::ZERO / F::ZERO, |distribution| value(&distribution))
+    distribution.map_or(F::NAN, |distribution| value(&distribution))
 }
 
 fn first<F: Real>(x: &[F]) -> F::Vec3 {
@@ -734,8 +734,7 @@ fn reflection_of_beckmann_by_tangent<F: Real>(x: &[F]) -> F {
 }
 
 fn refraction_jacobian<F: Real>(x: &[F]) -> F {
-    RefractingFacet::<F>::between(first(x), second(x), x[6], true)
-        .map_or(F::ZERO / F::ZERO, |facet| facet.jacobian())
+    RefractingFacet::<F>::between(first(x), second(x), x[6], true).map_or(F::NAN, |facet| facet.jacobian())
 }
 
 fn pdf_of_ggx<F: Real>(x: &[F]) -> F {
