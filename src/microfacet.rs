@@ -534,7 +534,12 @@ impl<F: Real> Distribution<F> {
             return FacetScattering { value: F::ZERO, pdf, weight: F::ZERO, cos2_theta_o };
         }
         let value = self.d(facet.m) * (g2 / wo.z() / -wi.z()) * facet.cos_theta_o * facet.jacobian;
-        FacetScattering { value, pdf, weight: value * -wi.z() / pdf, cos2_theta_o }
+        let weight = match self.shadowing {
+            Shadowing::VCavity => value * -wi.z() / pdf,
+            // D, the facet's cosine and the Jacobian cancel.
+            Shadowing::SmithCorrelated | Shadowing::SmithSeparable => g2 * (self.projected_area(wo) / wo.z()),
+        };
+        FacetScattering { value, pdf, weight, cos2_theta_o }
     }
 
     /// Density \[sr⁻¹\] of refracting `wo` at a visible facet.
