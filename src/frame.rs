@@ -29,6 +29,13 @@ pub fn reflect<F: Real>(w: F::Vec3, m: F::Vec3) -> F::Vec3 {
     m * (F::TWO * w.dot(m)) - w
 }
 
+/// `w`, of unit length but for rounding, with that rounding mended: a step of Newton's for 1 / |w|, which needs no root and
+/// no division.
+#[inline]
+pub fn renormalize<F: Real>(w: F::Vec3) -> F::Vec3 {
+    w * (F::from_f64(1.5) - F::HALF * w.dot(w))
+}
+
 /// `w` with its components along the tangents scaled by `alpha_x` and `alpha_y`; not of unit length.
 #[inline]
 pub fn stretch<F: Real>(w: F::Vec3, alpha_x: F, alpha_y: F) -> F::Vec3 {

@@ -86,47 +86,51 @@ implement_turns!(
 /// Γ overflows and differences of its logarithms cancel, so the leading terms of Stirling's series are cancelled by
 /// hand and the remainders of the series are added: Fullerton's form in the SLATEC library (routine `ALBETA`). Small
 /// arguments are moved up by B(p, q) = B(p + 1, q) (p + q) / p, which costs a third of three Γ.
+///
+/// In double precision for single as well: a dozen roundings come to 8 ulps, as much as everything else of a weight.
 #[inline]
 pub fn beta<F: Real>(p: F, q: F) -> F {
+    F::from_f64(beta_f64(p.to_f64(), q.to_f64()))
+}
+
+fn beta_f64(p: f64, q: f64) -> f64 {
     let (p, q) = if p <= q { (p, q) } else { (q, p) };
-    let (sum, large) = (p + q, F::from_f64(10.0));
-    if p >= large {
+    let sum = p + q;
+    if p >= 10.0 {
         return beta_of_large(p, q);
     }
-    if q >= large {
-        let rest = (-p / sum).ln_1p();
+    if q >= 10.0 {
         let correction = stirling_remainder(q) - stirling_remainder(sum);
-        return p.gamma() * (correction + p - p * sum.ln() + (q - F::HALF) * rest).exp();
+        let exponent = correction + p - p * libm::log(sum) + (q - 0.5) * libm::log1p(-p / sum);
+        return libm::tgamma(p) * libm::exp(exponent);
     }
-    let (mut above, mut below) = (F::ONE, F::ONE);
+    let (mut above, mut below) = (1.0, 1.0);
     for step in 0..9 {
-        let step = F::from_f64(f64::from(step));
-        above *= (sum + step) * (sum + step + F::from_f64(9.0));
+        let step = f64::from(step);
+        above *= (sum + step) * (sum + step + 9.0);
         below *= (p + step) * (q + step);
     }
-    above / below * beta_of_large(p + F::from_f64(9.0), q + F::from_f64(9.0))
+    above / below * beta_of_large(p + 9.0, q + 9.0)
 }
 
 /// [`beta`] for p, q ≥ 10.
-#[inline]
-fn beta_of_large<F: Real>(p: F, q: F) -> F {
+fn beta_of_large(p: f64, q: f64) -> f64 {
     let sum = p + q;
     let ratio = p / sum;
     let correction = stirling_remainder(p) + stirling_remainder(q) - stirling_remainder(sum);
-    let root = F::from_f64(2.506_628_274_631_000_5) / q.sqrt();
-    root * (correction + (p - F::HALF) * ratio.ln() + q * (-ratio).ln_1p()).exp()
+    let exponent = correction + (p - 0.5) * libm::log(ratio) + q * libm::log1p(-ratio);
+    2.506_628_274_631_000_5 / q.sqrt() * libm::exp(exponent)
 }
 
 /// ln Γ(x) − [(x − ½) ln x − x + ½ ln 2π], by its asymptotic series; x ≥ 10.
-#[inline]
-fn stirling_remainder<F: Real>(x: F) -> F {
-    let inverse = F::ONE / x;
+fn stirling_remainder(x: f64) -> f64 {
+    let inverse = 1.0 / x;
     let square = inverse * inverse;
     // B₂ₖ / (2k (2k − 1))
     let series = [1.0 / 156.0, -691.0 / 360_360.0, 1.0 / 1188.0, -1.0 / 1680.0, 1.0 / 1260.0, -1.0 / 360.0]
         .into_iter()
-        .fold(F::ZERO, |sum, coefficient| (sum + F::from_f64(coefficient)) * square);
-    (series + F::from_f64(1.0 / 12.0)) * inverse
+        .fold(0.0, |sum, coefficient| (sum + coefficient) * square);
+    (series + 1.0 / 12.0) * inverse
 }
 
 #[cfg(test)]
@@ -160,7 +164,7 @@ mod tests {
             for (value, expected) in [(beta(p, 1.0_f64), 1.0 / p), (beta(2.0, p), 1.0 / (p * (p + 1.0)))] {
                 assert!((value / expected - 1.0).abs() < 4e-14, "{p}: {value:e}");
                 let single = beta(p as f32, 1.0);
-                assert!((single * p as f32 - 1.0).abs() < 4e-6, "{p}: {single:e}");
+                assert!((single * p as f32 - 1.0).abs() < 2e-7, "{p}: {single:e}");
             }
         }
         // B(p, q) = B(p + 1, q) + B(p, q + 1), across both seams.

@@ -35,6 +35,7 @@ mod claims;
 mod contrasts;
 mod deltas;
 mod diagnosis;
+mod extremes;
 mod failure;
 mod grid;
 mod number;
@@ -52,6 +53,7 @@ mod verdict;
 
 pub use claims::{Boundary, Claims, Energy, Precision, Waiver};
 pub use diagnosis::Diagnosis;
+pub use extremes::{ExtremeCalls, extreme_calls};
 pub use failure::{Smallest, failure_report};
 pub use grid::Grid;
 pub use plan::{FAMILY_ERROR_RATE, Plan, run_seed};

@@ -241,10 +241,11 @@ struct Point {
     condition: OnceCell<f64>,
 }
 
-/// The distance between neighbours at `x` in a precision; below the smallest normal number it no longer shrinks.
+/// The distance between neighbours at `x` in a precision, but no less than the smallest normal number: a factor of a value as
+/// small as that over ε may have underflowed, and lost digits, before another factor made up for it.
 fn ulp(precision: Precision, x: f64) -> f64 {
     let (smallest, epsilon) = (precision.smallest_normal(), precision.epsilon());
-    let magnitude = x.abs().max(smallest);
+    let magnitude = x.abs().max(smallest / epsilon);
     // The power of two below: the bits of the exponent alone.
     f64::from_bits(magnitude.to_bits() & 0x7ff0_0000_0000_0000) * epsilon
 }
@@ -510,7 +511,7 @@ mod tests {
         assert_eq!(ulp(Precision::F32, 1.0), f64::from(f32::EPSILON));
         assert_eq!(ulp(Precision::F64, 1.5), f64::EPSILON);
         assert_eq!(ulp(Precision::F64, 1.0_f64.next_down()), f64::EPSILON / 2.0);
-        assert_eq!(ulp(Precision::F32, 0.0), f64::from(f32::from_bits(1)));
-        assert_eq!(ulp(Precision::F64, 0.0), f64::from_bits(1));
+        assert_eq!(ulp(Precision::F32, 0.0), f64::from(f32::MIN_POSITIVE));
+        assert_eq!(ulp(Precision::F64, 1e-300), f64::MIN_POSITIVE);
     }
 }

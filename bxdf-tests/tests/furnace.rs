@@ -84,7 +84,7 @@ impl<F: Real> Sphere<F> {
             let Some(sample) = self.lobe.sample(wo, uc, [u0, u1], TransportMode::Radiance) else {
                 return 0.0;
             };
-            throughput = throughput * sample.weight[0];
+            throughput *= sample.weight[0];
             let wi = sample.wi;
             if wi.z() > F::ZERO {
                 // Out into the environment.

@@ -93,6 +93,19 @@ impl<F: Real> DielectricSpecular<F> {
     }
 }
 
+/// The refracted direction.
+///
+/// Near the normal its cosine comes from the sines: the one above has lost the digits that a rarer medium below brings out,
+/// where the tangential components are multiplied by 1/η.
+#[inline]
+fn refract<F: Real>(wo: F::Vec3, boundary: &DielectricBoundary<F>, eta: F) -> F::Vec3 {
+    let (x, y) = (wo.x() / eta, wo.y() / eta);
+    let cos2_theta_t = F::ONE - (x * x + y * y);
+    let is_steep = wo.z() * wo.z() > F::HALF && cos2_theta_t > F::ZERO;
+    let cos_theta_t = if is_steep { cos2_theta_t.sqrt() } else { boundary.cos_theta_t };
+    F::Vec3::new(-x, -y, -cos_theta_t.copysign(wo.z()))
+}
+
 impl<F: Real> Bxdf<F> for DielectricSpecular<F> {
     #[inline]
     fn eval(&self, _: F::Vec3, _: F::Vec3, _: TransportMode) -> Rgb<F> {
@@ -123,7 +136,7 @@ impl<F: Real> Bxdf<F> for DielectricSpecular<F> {
         }
         let weight = self.tints[1] * (boundary.transmittance.unpolarized() / transmitted);
         (transmitted > F::ZERO).then(|| BxdfSample {
-            wi: F::Vec3::new(-wo.x() / eta, -wo.y() / eta, -boundary.cos_theta_t.copysign(wo.z())),
+            wi: refract::<F>(wo, &boundary, eta),
             weight: weight * squeeze(eta, mode),
             pdf: Pdf::Discrete(transmitted),
             eta,

@@ -1,5 +1,5 @@
 use crate::bxdf::{Bxdf, BxdfSample, LobeFlags, Pdf, TransportMode, squeeze};
-use crate::frame::{is_above, reflect};
+use crate::frame::{is_above, reflect, renormalize};
 use crate::fresnel::{DielectricBoundary, dielectric};
 use crate::lobe::DielectricSpecular;
 use crate::microfacet::{ALPHA_MIN, Distribution, RefractingFacet};
@@ -158,7 +158,8 @@ fn fresnel<F: Real>(facet: &RefractingFacet<F>, eta: F) -> DielectricBoundary<F>
     }
 }
 
-/// The direction into which the facet `wm` refracts `wo`.
+/// The direction into which the facet `wm` refracts `wo`; normalised, because 1/η multiplies what rounding has left of
+/// both.
 #[inline]
 fn refract<F: Real>(
     wo: F::Vec3,
@@ -167,7 +168,7 @@ fn refract<F: Real>(
     boundary: &DielectricBoundary<F>,
     eta: F,
 ) -> F::Vec3 {
-    wm * (cos_theta_o / eta - boundary.cos_theta_t) - wo * (F::ONE / eta)
+    (wm * (cos_theta_o / eta - boundary.cos_theta_t) - wo * (F::ONE / eta)).normalize()
 }
 
 impl<F: Real> Bxdf<F> for MicrofacetDielectric<F> {
@@ -211,7 +212,7 @@ impl<F: Real> Bxdf<F> for MicrofacetDielectric<F> {
         let boundary = dielectric(cos_theta_o, eta);
         let [reflected, transmitted] = self.smooth.shares(&boundary);
         if uc < reflected {
-            let wi = reflect::<F>(wo, wm);
+            let wi = renormalize::<F>(reflect::<F>(wo, wm));
             if !is_above::<F>(wi) {
                 return None;
             }
