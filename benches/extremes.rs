@@ -9,7 +9,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-use gonio::bxdf::{Bxdf, TransportMode};
+use gonio::bxdf::Bxdf;
 use gonio::fresnel::Fresnel;
 use gonio::lobe::{
     Coat, DielectricSpecular, Fabric, KullaContyDielectric, KullaContyReflection, Lambertian,
@@ -20,13 +20,13 @@ use gonio::microfacet::{Distribution, Shadowing, Shape};
 use gonio::real::{Real, Vector};
 use gonio::rgb::Rgb;
 use rand::{RngExt, SeedableRng};
+use vertex::{Vertex, path};
+
+mod vertex;
 
 const ROUNDS: usize = 41;
 const VERTICES: usize = 512;
 const POOLS: [&str; 5] = ["ordinary", "grazing", "normal incidence", "ends of uniforms", "wi about wo"];
-
-/// `wo`, `wi` and uniforms.
-type Vertex<F> = (<F as Real>::Vec3, <F as Real>::Vec3, [F; 3]);
 
 /// From ½ down to `lowest`, evenly in the logarithm.
 fn tiny(x: f64, lowest: f64) -> f64 {
@@ -73,19 +73,6 @@ fn pool<F: Real>(kind: &str) -> Vec<Vertex<F>> {
             (wo, wi, u)
         })
         .collect()
-}
-
-#[inline(never)]
-fn path<F: Real>(lobe: &dyn Bxdf<F>, pool: &[Vertex<F>]) -> F {
-    let mode = TransportMode::Radiance;
-    let mut sum = F::ZERO;
-    for &(wo, wi, [uc, u0, u1]) in pool {
-        sum += lobe.eval(wo, wi, mode)[0] + lobe.pdf(wo, wi, mode);
-        if let Some(sample) = lobe.sample(wo, uc, [u0, u1], mode) {
-            sum += sample.weight[0] + sample.wi.z();
-        }
-    }
-    sum
 }
 
 fn lobes<F: Real>() -> Vec<(&'static str, Box<dyn Bxdf<F>>)> {

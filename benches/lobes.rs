@@ -5,23 +5,23 @@
 //! nothing is predicted or hoisted. Compare within one run only.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
-use gonio::bxdf::{Bxdf, TransportMode};
+use gonio::bxdf::Bxdf;
 use gonio::fresnel::Fresnel;
 use gonio::lobe::{Lambertian, MicrofacetDielectric, MicrofacetReflection};
 use gonio::microfacet::{Distribution, Shape};
-use gonio::real::{Real, Vector};
+use gonio::real::Real;
 use gonio::rgb::Rgb;
 use gonio::warp::cosine_hemisphere;
 use rand::{RngExt, SeedableRng};
+use vertex::{Vertex, path};
+
+mod vertex;
 
 fn main() {
     divan::main();
 }
 
 const VERTICES: usize = 1024;
-
-/// `wo`, `wi` and uniforms.
-type Vertex<F> = (<F as Real>::Vec3, <F as Real>::Vec3, [F; 3]);
 
 fn pool<F: Real>() -> Vec<Vertex<F>> {
     let mut generator = rand_pcg::Pcg64Mcg::seed_from_u64(0);
@@ -37,20 +37,6 @@ fn pool<F: Real>() -> Vec<Vertex<F>> {
 fn vertices<F: Real>(bencher: Bencher<'_, '_>, lobe: &impl Bxdf<F>) {
     let pool = pool::<F>();
     bencher.counter(ItemsCount::new(VERTICES)).bench_local(|| path(lobe, black_box(&pool)));
-}
-
-/// A function of its own, as an integrator is: in a closure the compiler does not know that the lobe stays as it is.
-#[inline(never)]
-fn path<F: Real>(lobe: &impl Bxdf<F>, pool: &[Vertex<F>]) -> F {
-    let mode = TransportMode::Radiance;
-    let mut sum = F::ZERO;
-    for &(wo, wi, [uc, u0, u1]) in pool {
-        sum += lobe.eval(wo, wi, mode)[0] + lobe.pdf(wo, wi, mode);
-        if let Some(sample) = lobe.sample(wo, uc, [u0, u1], mode) {
-            sum += sample.weight[0] + sample.wi.z();
-        }
-    }
-    sum
 }
 
 fn rough<F: Real>(shape: Shape) -> Distribution<F> {

@@ -101,9 +101,12 @@ impl<F: Real> DielectricSpecular<F> {
 fn refract<F: Real>(wo: F::Vec3, boundary: &DielectricBoundary<F>, eta: F) -> F::Vec3 {
     let (x, y) = (wo.x() / eta, wo.y() / eta);
     let cos2_theta_t = F::ONE - (x * x + y * y);
-    let is_steep = wo.z() * wo.z() > F::HALF && cos2_theta_t > F::ZERO;
-    let cos_theta_t = if is_steep { cos2_theta_t.sqrt() } else { boundary.cos_theta_t };
-    F::Vec3::new(-x, -y, -cos_theta_t.copysign(wo.z()))
+    let towards = |cos_theta_t: F| F::Vec3::new(-x, -y, -cos_theta_t.copysign(wo.z()));
+    if wo.z() * wo.z() > F::HALF && cos2_theta_t > F::ZERO {
+        return towards(cos2_theta_t.sqrt());
+    }
+    // Next to total internal reflection rounding decides whether there is any: the sines may say so where the cosine does not.
+    towards(boundary.cos_theta_t).normalize()
 }
 
 impl<F: Real> Bxdf<F> for DielectricSpecular<F> {
