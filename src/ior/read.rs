@@ -200,7 +200,7 @@ mod tests {
         assert_eq!(message(&format!("{head}500,1.5\n")), "my.csv:3: 2 cells in a table of 3 columns");
         assert!(message("wavelength,n,k\n").contains("no column `wavelength_nm`; found wavelength, n, k"));
         assert!(message("").contains("no column"));
-        assert!(message("wavelength_nm,eta,k\n400,1,0\n").contains("1 rows"));
+        assert!(message("wavelength_nm,eta,k\n400,1,0\n").contains("too few rows (1)"));
         let folder = tempfile::tempdir().unwrap();
         let huge = folder.path().join("huge.csv");
         let rows = format!("{head}500,1.5,0\n");
