@@ -29,6 +29,14 @@ impl Precision {
         }
     }
 
+    /// The bits of a number that the precision holds, hexadecimal.
+    pub(crate) fn bits(self, x: f64) -> String {
+        match self {
+            Self::F32 => format!("{:08x}", (x as f32).to_bits()),
+            Self::F64 => format!("{:016x}", x.to_bits()),
+        }
+    }
+
     /// The nearest number that the precision can hold.
     pub(crate) fn round(self, x: f64) -> f64 {
         match self {

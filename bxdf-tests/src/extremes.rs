@@ -6,8 +6,8 @@
 
 use rand::RngExt;
 
-use crate::Precision;
 use crate::calls;
+use crate::claims::{Claims, Precision};
 use crate::plan::{Plan, Setting};
 use crate::search::{around, direction, setting, uniform};
 use crate::specimen::{Direction, Scatter, Specimen, Transport};
@@ -59,7 +59,7 @@ pub fn extreme_calls(specimen: &dyn Specimen, run_seed: u64, batch: u64, calls: 
             found.calls += 1;
             continue;
         };
-        found.check_sample(specimen, &scatter, wo, uniforms, transport);
+        found.check_sample(specimen, &claims, &scatter, wo, uniforms, transport);
         // The pair that a path would meet.
         found.check_values(specimen, [wo, scatter.wi], transport);
     }
@@ -80,14 +80,14 @@ impl ExtremeCalls {
     fn check_sample(
         &mut self,
         specimen: &dyn Specimen,
+        claims: &Claims,
         scatter: &Scatter,
         wo: Direction,
         uniforms: [f64; 3],
         transport: Transport,
     ) {
-        let claims = specimen.claims();
         self.calls += 1;
-        let checks = calls::of_sample(scatter, &claims, wo);
+        let checks = calls::of_sample(scatter, claims, wo);
         if checks.iter().any(|check| !check.holds()) {
             let witness = Witness::at(wo, transport).with_uniforms(uniforms).with_wi(scatter.wi);
             self.report(specimen, checks.into_iter().map(|check| check.check(witness)));
@@ -104,12 +104,11 @@ impl ExtremeCalls {
     fn report(&mut self, specimen: &dyn Specimen, checks: impl Iterator<Item = Check>) {
         let Some(check) = checks.into_iter().find(|check| !check.holds()) else { return };
         let Witness { wo, wi, uniforms, transport, .. } = check.witness;
-        let bits = |x: f64| match specimen.claims().precision {
-            Precision::F32 => format!("{:08x}", (x as f32).to_bits()),
-            Precision::F64 => format!("{:016x}", x.to_bits()),
-        };
+        let precision = specimen.claims().precision;
         let all = |name: &str, triple: Option<[f64; 3]>| {
-            triple.map_or_else(String::new, |x| format!(" {name} {x:?} ({})", x.map(bits).join(" ")))
+            triple.map_or_else(String::new, |x| {
+                format!(" {name} {x:?} ({})", x.map(|x| precision.bits(x)).join(" "))
+            })
         };
         let value = check.returned.map_or(check.value, |returned| returned.value);
         self.fault.get_or_insert_with(|| {

@@ -168,10 +168,11 @@ pub(crate) fn direction(polar_deg: f64, azimuth: f64) -> Direction {
 /// A direction from above, or the lowest of its azimuth that the claims are about.
 fn resolved(wo: Direction, claims: &Claims) -> Direction {
     let [x, y, z] = wo;
-    if z >= claims.least_cosine {
+    let least = claims.least_cosine.min(1.0);
+    if z >= least {
         return wo;
     }
-    let z = claims.least_cosine.min(1.0);
+    let z = least;
     let stretch = ((1.0 - z) * (1.0 + z) / (x * x + y * y)).sqrt();
     [x * stretch, y * stretch, z]
 }

@@ -258,13 +258,6 @@ fn neighbours(precision: Precision, x: f64) -> [f64; 2] {
     }
 }
 
-fn bits(precision: Precision, x: f64) -> String {
-    match precision {
-        Precision::F32 => format!("{:08x}", (x as f32).to_bits()),
-        Precision::F64 => format!("{:016x}", x.to_bits()),
-    }
-}
-
 impl Term {
     /// A form at inputs that the precision holds exactly; `None` outside the domain.
     pub fn at(&self, form: &Form, precision: Precision, inputs: &[f64]) -> Option<Witness> {
@@ -292,7 +285,7 @@ impl Term {
             if is_small { 1.0 } else { *condition.get_or_init(|| self.condition(precision, inputs, *exact)) };
         Witness {
             inputs: inputs.clone(),
-            bits: inputs.iter().map(|&x| bits(precision, x)).collect(),
+            bits: inputs.iter().map(|&x| precision.bits(x)).collect(),
             computed,
             exact: exact.nearest,
             ulps,

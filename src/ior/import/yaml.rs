@@ -81,7 +81,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Node, Problem> {
 }
 
 /// With a space before what can only be the rest of a quoted text. Within quotes it counts for nothing, but YAML asks for
-/// it; PyYAML, with which the database is made, does not, and some of its pages lack it.
+/// it; PyYAML does not, and some pages of the database lack it.
 fn indented(text: &str) -> String {
     let is_rest = |line: &str| {
         let key = line.split(':').next().unwrap_or_default();
