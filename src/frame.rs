@@ -48,6 +48,17 @@ pub fn sin2_theta<F: Real>(w: F::Vec3) -> F {
     w.x() * w.x() + w.y() * w.y()
 }
 
+/// sin² of the angle between two unit vectors, free of cancellation where they are close.
+#[inline]
+pub fn sin2_between<F: Real>(a: F::Vec3, b: F::Vec3) -> F {
+    let cross = F::Vec3::new(
+        a.y() * b.z() - a.z() * b.y(),
+        a.z() * b.x() - a.x() * b.z(),
+        a.x() * b.y() - a.y() * b.x(),
+    );
+    cross.dot(cross)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

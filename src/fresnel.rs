@@ -59,10 +59,20 @@ pub struct DielectricBoundary<F> {
 /// ```
 #[inline]
 pub fn dielectric<F: Real>(cos_theta_i: F, eta: F) -> DielectricBoundary<F> {
-    let c = cos_theta_i;
-    let a = (eta - F::ONE) * (eta + F::ONE);
-    let sin2 = (F::ONE - c) * (F::ONE + c);
-    let g_squared = squared_normal_component(c, sin2, eta);
+    dielectric_from(cos_theta_i, (F::ONE - cos_theta_i) * (F::ONE + cos_theta_i), eta, true)
+}
+
+/// [`dielectric`] from either side of a boundary, where sin²θi is known besides; `eta` is the index below over that above
+/// from both sides.
+///
+/// A cosine near 1 does not have the digits of the sine, which into a much rarer medium decides everything: at η = 1e-3
+/// the critical angle is at cos θ = 1 − 5e-7. And 1/η does not have the digits of η − 1: between nearly matched media what
+/// has come in would not get out again.
+#[inline]
+pub(crate) fn dielectric_from<F: Real>(c: F, sin2: F, eta: F, from_above: bool) -> DielectricBoundary<F> {
+    let bend = (eta - F::ONE) * (eta + F::ONE);
+    let (eta, a) = if from_above { (eta, bend) } else { (F::ONE / eta, -bend / (eta * eta)) };
+    let g_squared = squared_normal_component(c, sin2, eta, a);
     if g_squared <= F::ZERO {
         let (all, none) = (Polarized { s: F::ONE, p: F::ONE }, Polarized { s: F::ZERO, p: F::ZERO });
         // Index-matched media at exact grazing: nothing is reflected at any angle, so neither here.
@@ -108,7 +118,8 @@ pub struct ConductorBoundary<F> {
 pub fn conductor<F: Real>(cos_theta_i: F, eta: F, k: F) -> ConductorBoundary<F> {
     let c = cos_theta_i;
     let s2 = (F::ONE - c) * (F::ONE + c);
-    let real = squared_normal_component(c, s2, eta) - k * k;
+    let bend = (eta - F::ONE) * (eta + F::ONE);
+    let real = squared_normal_component(c, s2, eta, bend) - k * k;
     let imaginary = F::TWO * eta * k;
     let modulus = hypotenuse(real.abs(), imaginary);
     let (a, b) = if modulus <= F::ZERO {
@@ -128,7 +139,7 @@ pub fn conductor<F: Real>(cos_theta_i: F, eta: F, k: F) -> ConductorBoundary<F> 
         return ConductorBoundary { reflectance: none, absorptance: all };
     }
     // a − c cancels between nearly matched media, and squares of a tiny N² − 1 underflow.
-    let r_s = (((eta - F::ONE) * (eta + F::ONE) - k * k) / sum).squared() + (imaginary / sum).squared();
+    let r_s = ((bend - k * k) / sum).squared() + (imaginary / sum).squared();
     let a_s = F::FOUR * a_c / sum;
     let p_sum = modulus * (c * c) + s2 * s2 + F::TWO * a_c * s2;
     // At normal incidence both polarisations are the same, also where an index near 0 makes this 0/0.
@@ -145,8 +156,8 @@ pub fn conductor<F: Real>(cos_theta_i: F, eta: F, k: F) -> ConductorBoundary<F> 
 
 /// η² − sin²θ = η² − 1 + cos²θ, in the form that does not cancel: the first does near η = 1, the second near η = 0.
 #[inline]
-fn squared_normal_component<F: Real>(c: F, sin2: F, eta: F) -> F {
-    if eta < F::HALF { eta * eta - sin2 } else { (eta - F::ONE) * (eta + F::ONE) + c * c }
+fn squared_normal_component<F: Real>(c: F, sin2: F, eta: F, eta_squared_minus_1: F) -> F {
+    if eta < F::HALF { eta * eta - sin2 } else { eta_squared_minus_1 + c * c }
 }
 
 /// √(x² + y²) of numbers that are not negative, also where their squares underflow.

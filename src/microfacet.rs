@@ -288,7 +288,9 @@ impl<F: Real> Distribution<F> {
                 (a.min(b) - (F::ONE - a.max(b))).max(F::ZERO)
             }
             Shadowing::SmithCorrelated | Shadowing::SmithSeparable => {
-                beta(self.projected_area(wo) / wo.z(), self.projected_area(back) / back.z())
+                // Half an ulp below 1 is to the power of the other one.
+                let over_cosine = |w: F::Vec3| (self.projected_area(w) / w.z()).max(F::ONE);
+                beta(over_cosine(wo), over_cosine(back))
             }
         }
     }

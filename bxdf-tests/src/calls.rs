@@ -90,6 +90,18 @@ pub(crate) fn of_sample(scatter: &Scatter, claims: &Claims, wo: Direction) -> [O
     ]
 }
 
+/// Whether a sample is certainly one to which all of [`of_sample`] apply: the first look of hot loops.
+#[inline]
+pub(crate) fn is_certainly_fine(scatter: &Scatter, claims: &Claims, wo: Direction) -> bool {
+    let (Measure::SolidAngle(density) | Measure::Discrete(density)) = scatter.density;
+    let [x, y, z] = scatter.wi;
+    scatter.weight.into_iter().all(is_fine)
+        && density > 0.0
+        && density < f64::INFINITY
+        && (x * x + y * y + z * z - 1.0).abs() <= 16.0 * claims.precision.epsilon()
+        && (z * wo[2] >= 0.0 || claims.transmits)
+}
+
 /// Whether nothing of f and of the pdf at one pair of directions is wrong: the first look of hot loops.
 pub(crate) fn are_fine(values: [f64; 3], density: f64) -> bool {
     values.into_iter().all(is_fine) && is_fine(density)

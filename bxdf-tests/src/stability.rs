@@ -17,7 +17,7 @@ use serde::Serialize;
 pub const STABLE_ULPS: f64 = 16.0;
 
 /// Cells of a map along each of its two axes.
-pub const MAP_CELLS: usize = 16;
+pub const MAP_CELLS: usize = 12;
 
 /// Errors up to this many ulps are small whatever the condition number is, and it is not asked for.
 const UNASKED_ULPS: f64 = 4.0;

@@ -118,7 +118,7 @@ fn most_below(level: f64, count: usize) -> f64 {
 fn p_values_on_correct_specimens_are_uniform() {
     let seed = run_seed();
     println!("run seed {seed}");
-    let p_values_per_check = setting("BXDF_TESTS_P_VALUES", 1000);
+    let p_values_per_check = setting("BXDF_TESTS_P_VALUES", 800);
     let samples = setting("BXDF_TESTS_SAMPLES", 1 << 14) as usize;
     let mut checks: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     let mut failures = Vec::new();
@@ -202,7 +202,7 @@ fn quick_catalogue() -> Vec<Box<dyn Specimen>> {
 
 #[test]
 fn no_correct_specimen_is_accused() {
-    let (seed, run_seeds) = (run_seed(), setting("BXDF_TESTS_RUN_SEEDS", 4));
+    let (seed, run_seeds) = (run_seed(), setting("BXDF_TESTS_RUN_SEEDS", 2));
     let specimens = quick_catalogue();
     let plan = Plan { samples: QUICK, ..Plan::new(seed, specimens.iter().map(|specimen| &**specimen)) };
     println!("run seed {seed}: {} specimens, {run_seeds} run seeds", specimens.len());

@@ -17,7 +17,7 @@ fn total(coat: Coat<f64>, base: Arc<dyn Bxdf<f64>>, polar_deg: f64) -> [f64; 3] 
     let (sin, cos) = polar_deg.to_radians().sin_cos();
     let of = |bxdf: Arc<dyn Bxdf<f64>>| {
         let specimen = BxdfSpecimen::new("coat", bxdf, Claims::reflector(Precision::F64));
-        directional_albedo(&specimen, [sin, 0.0, cos], Transport::Radiance).value
+        directional_albedo(&specimen, [sin, 0.0, cos], Transport::Radiance, 1e-7).value
     };
     let (gloss, layer) = (of(Arc::new(gloss)), of(Arc::new(layer)));
     std::array::from_fn(|i| gloss[i] + layer[i])

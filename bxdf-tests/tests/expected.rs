@@ -27,7 +27,7 @@ fn val_albedo_of_a_rough_mirror_at_normal_incidence() {
                 Distribution::new(shape, alpha, alpha).unwrap().with_shadowing(shadowing).unwrap();
             let mirror = MicrofacetReflection::new(distribution, Fresnel::constant(Rgb::WHITE).unwrap());
             let specimen = BxdfSpecimen::of_lobe("mirror", mirror);
-            let albedo = directional_albedo(&specimen, [0.0, 0.0, 1.0], Transport::Radiance);
+            let albedo = directional_albedo(&specimen, [0.0, 0.0, 1.0], Transport::Radiance, 1e-7);
             let error = (albedo.value[0] - expected).abs();
             let what = format!("{shape:?} {shadowing:?} {alpha}: {albedo:?} for {expected}");
             assert!(albedo.error[0] <= 1e-6, "{what}");

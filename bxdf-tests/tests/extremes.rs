@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use bxdf_tests::stability::STABLE_ULPS;
 use bxdf_tests::{ExtremeCalls, Specimen, extreme_calls, run_seed};
+use gonio::bxdf::Bxdf;
 use gonio::fresnel::Fresnel;
 use gonio::lobe::{
     Coat, DielectricSpecular, Fabric, Lambertian, Lobe, MicrofacetDielectric, MicrofacetReflection,
@@ -103,15 +104,26 @@ fn edges<F: Real>() -> Vec<Box<dyn Specimen>> {
             add(format!("glass_{eta}_{name}"), glass.into());
         }
     }
-    for (eta, depth, roughness) in
-        [(1.0, 0.0, 0.0), (1.0 + epsilon, 1e-30, 0.0), (4.0, 1e3, 0.0), (1.5, 0.0, 1.0)]
-    {
-        let roughness =
-            (roughness > 0.0).then(|| Distribution::new(Shape::Ggx, f(roughness), f(roughness)).unwrap());
-        let coat = Coat { eta: f(eta), thickness: F::ONE, sigma_a: grey(depth), roughness };
-        let base = Arc::new(Lambertian::new(Rgb::WHITE).unwrap());
-        let layer = RefractiveLayer::new(coat, base).unwrap();
-        add(format!("coat_{eta}_{depth}"), layer.into());
+    let narrow = Distribution::new(Shape::Ggx, f(ALPHA_MIN), f(ALPHA_MIN)).unwrap();
+    let bases: [(&str, Arc<dyn Bxdf<F>>); 3] = [
+        ("plane", Arc::new(SpecularReflection::new(Fresnel::constant(Rgb::WHITE).unwrap()))),
+        ("white", Arc::new(Lambertian::new(Rgb::WHITE).unwrap())),
+        ("mirror", Arc::new(MicrofacetReflection::new(narrow, Fresnel::constant(Rgb::WHITE).unwrap()))),
+    ];
+    for (eta, depth, alpha) in [
+        (1.0, 0.0, None),
+        (1.0 + epsilon, 1e-30, None),
+        (4.0, 1e3, None),
+        (1.5, 0.0, Some(1.0)),
+        (1e3, 0.0, None),
+        (1e3, 0.0, Some(0.3)),
+    ] {
+        for (base_name, base) in &bases {
+            let roughness = alpha.map(|alpha| Distribution::new(Shape::Ggx, f(alpha), f(alpha)).unwrap());
+            let coat = Coat { eta: f(eta), thickness: F::ONE, sigma_a: grey(depth), roughness };
+            let layer = RefractiveLayer::new(coat, Arc::clone(base)).unwrap();
+            add(format!("coat_{eta}_{depth}_{alpha:?}_{base_name}"), layer.into());
+        }
     }
     lobes
         .into_iter()

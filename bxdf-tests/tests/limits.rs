@@ -7,7 +7,7 @@ use bxdf_tests::{
     Claims, Direction, Examination, Measure, Outcome, Plan, Precision, Scatter, Specimen, Suite, Transport,
     run_seed,
 };
-use gonio::bxdf::{Bxdf, Pdf, TransportMode};
+use gonio::bxdf::{Bxdf, BxdfSample, LobeFlags, Pdf, TransportMode};
 use gonio::fresnel::Fresnel;
 use gonio::lobe::{
     Coat, DielectricSpecular, Fabric, KullaContyDielectric, KullaContyReflection, Lambertian, LayerError,
@@ -42,6 +42,8 @@ in_both_precisions! {
     one_smooth_axis_counts_as_the_least_roughness
     lobes_of_matched_indices_hold
     a_matched_boundary_passes_everything_straight_through
+    what_comes_into_nearly_matched_glass_gets_out_again
+    the_critical_angle_of_a_rare_medium_has_the_digits_of_the_sine
     a_clear_coat_of_index_1_is_its_base
     conductors_without_extinction_are_dielectrics_and_those_without_index_are_mirrors
     smooth_oren_nayar_is_the_limit_of_rough
@@ -53,6 +55,7 @@ in_both_precisions! {
     next_to_smooth_surfaces_have_next_to_no_higher_orders
     parameters_out_of_range_are_refused_by_name_value_and_range
     a_transmitting_base_is_refused
+    a_base_that_returns_more_than_it_receives_does_not_make_a_layer_negative
 }
 
 fn direction<F: Real>(polar_deg: f64) -> F::Vec3 {
@@ -554,10 +557,7 @@ fn a_thick_coat_is_black<F: Real>() {
     for base in bases::<F>() {
         for roughness in [None, Some(rough(0.3))] {
             // Into the subnormal numbers of both precisions, out of them, and beyond the largest number.
-            let thick = [
-                30.0, 43.0, 60.0, 80.0, 85.0, 87.0, 88.0, 90.0, 95.0, 100.0, 300.0, 370.0, 600.0, 700.0,
-                710.0, 730.0, 745.0, 1e3, 1e30,
-            ];
+            let thick = [30.0, 43.0, 85.0, 88.0, 95.0, 300.0, 370.0, 700.0, 710.0, 745.0, 1e3, 1e30];
             for (thickness, sigma_a) in thick.into_iter().map(|tau| (tau, 1.0)).chain([(1e30, 1e30)]) {
                 let lobe = layer(F::from_f64(thickness), sigma_a, roughness, &base);
                 let tau = thickness * sigma_a;
@@ -657,7 +657,7 @@ fn smooth_surfaces_have_no_higher_orders<F: Real>() {
 }
 
 fn next_to_smooth_surfaces_have_next_to_no_higher_orders<F: Real>() {
-    for alpha in [1e-4, 4e-4, 3e-3, 1e-2] {
+    for alpha in [1e-4, 3e-3] {
         for distribution in distributions::<F>([alpha; 2]) {
             let reflector: Box<dyn Bxdf<F>> = Box::new(KullaContyReflection::new(distribution, white()));
             let mut lobes = vec![("reflection".to_owned(), reflector)];
@@ -674,6 +674,103 @@ fn next_to_smooth_surfaces_have_next_to_no_higher_orders<F: Real>() {
                 assert_eq!(wrong, None, "{what}: albedo");
                 let normal = lobe.albedo(direction::<F>(0.0))[0].to_f64();
                 assert!(normal < 10.0 * alpha * alpha + 1e-6, "{what}: {normal:e} at normal incidence");
+            }
+        }
+    }
+}
+
+/// 1/η does not have the digits of η − 1.
+fn what_comes_into_nearly_matched_glass_gets_out_again<F: Real>() {
+    for off in [64.0 * F::EPSILON.to_f64(), 1e-4, -1e-4, -64.0 * F::EPSILON.to_f64()] {
+        let lobe = DielectricSpecular::new(F::ONE + F::from_f64(off)).unwrap();
+        let transmit = |wo: F::Vec3| {
+            lobe.sample(wo, F::ONE - F::HALF * F::EPSILON, [F::ZERO; 2], Importance).unwrap().wi
+        };
+        // A cosine whose square is lost in η² − 1 is lost on the way in.
+        let least = (64.0 * F::EPSILON.to_f64() * off.abs()).sqrt();
+        for cosine in [least, 1.1e-4, 3e-4, 1e-3, 1e-2, 0.1].into_iter().filter(|&cosine| cosine >= least) {
+            let wo = F::Vec3::from_f64([(1.0 - cosine * cosine).sqrt(), 0.0, cosine]);
+            let inside = transmit(wo);
+            if inside.z() > F::ZERO {
+                assert!(
+                    off < 0.0 && cosine * cosine < 2.1 * off.abs(),
+                    "η − 1 = {off:e}: {wo:?} stays outside"
+                );
+                continue;
+            }
+            let outside = transmit(inside);
+            assert!(
+                outside.z() > F::ZERO,
+                "η − 1 = {off:e}: from {wo:?} to {inside:?}, and from there {outside:?}"
+            );
+            let error = (outside.z().to_f64() / cosine - 1.0).abs() * cosine * least.recip();
+            assert!(error < 1.0, "η − 1 = {off:e}: from {wo:?} to {outside:?}");
+        }
+    }
+}
+
+/// A cosine next to 1 does not have the digits of the sine, which decides about light into a much rarer medium.
+fn the_critical_angle_of_a_rare_medium_has_the_digits_of_the_sine<F: Real>() {
+    let (eta, mut worst) = (1e-3, 0.0_f64);
+    let lobe = DielectricSpecular::new(F::from_f64(eta)).unwrap();
+    let eta = F::from_f64(eta).to_f64();
+    for share in [0.1, 0.5, 0.9, 0.99, 0.999] {
+        let sine = F::from_f64(share * eta);
+        let wo = F::Vec3::new(sine, F::ZERO, (F::ONE - sine * sine).sqrt());
+        let sample = lobe.sample(wo, F::ZERO, [F::ZERO; 2], Importance).unwrap();
+        let Pdf::Discrete(reflected) = sample.pdf else { panic!("{sample:?}") };
+        let sin2 = sine.to_f64() * sine.to_f64();
+        let (inside, outside) = ((1.0 - sin2).sqrt(), (eta * eta - sin2).sqrt());
+        let s = ((inside - outside) / (inside + outside)).powi(2);
+        let p = ((eta * eta * inside - outside) / (eta * eta * inside + outside)).powi(2);
+        // The cosine of the refracted ray loses the digits of 1 − share.
+        let unit = F::EPSILON.to_f64() / (1.0 - share);
+        worst = worst.max((reflected.to_f64() / (0.5 * (s + p)) - 1.0).abs() / unit);
+    }
+    println!("worst error of R: {worst:.2} conditioned ε");
+    assert!(worst < 4.0, "{worst}");
+}
+
+/// White and a little more, by as much as cubature and rounding may make of white.
+#[derive(Debug)]
+struct MoreThanWhite<F>(Lambertian<F>);
+
+impl<F: Real> Bxdf<F> for MoreThanWhite<F> {
+    fn eval(&self, wo: F::Vec3, wi: F::Vec3, mode: TransportMode) -> Rgb<F> {
+        self.0.eval(wo, wi, mode) * F::from_f64(1.0 + 1e-6)
+    }
+
+    fn pdf(&self, wo: F::Vec3, wi: F::Vec3, mode: TransportMode) -> F {
+        self.0.pdf(wo, wi, mode)
+    }
+
+    fn sample(&self, wo: F::Vec3, uc: F, u: [F; 2], mode: TransportMode) -> Option<BxdfSample<F>> {
+        let sample = self.0.sample(wo, uc, u, mode)?;
+        Some(BxdfSample { weight: sample.weight * F::from_f64(1.0 + 1e-6), ..sample })
+    }
+
+    fn albedo(&self, wo: F::Vec3) -> Rgb<F> {
+        self.0.albedo(wo)
+    }
+
+    fn flags(&self) -> LobeFlags {
+        self.0.flags()
+    }
+}
+
+/// What escapes of a coat of high index is less than that little more.
+fn a_base_that_returns_more_than_it_receives_does_not_make_a_layer_negative<F: Real>() {
+    for (eta, roughness) in [(1.5, None), (1e3, None), (1e3, Some(rough::<F>(0.3)))] {
+        let coat = Coat { eta: F::from_f64(eta), thickness: F::ZERO, sigma_a: Rgb::BLACK, roughness };
+        let base = Arc::new(MoreThanWhite(Lambertian::new(Rgb::<F>::WHITE).unwrap()));
+        let layer = RefractiveLayer::new(coat, base).unwrap();
+        for polar_deg in [0.0, 60.0, 89.0] {
+            let wo = direction::<F>(polar_deg);
+            let albedo = layer.albedo(wo)[0].to_f64();
+            assert!((0.0..=1.0 + 1e-4).contains(&albedo), "η = {eta}: albedo {albedo}");
+            for wi in [0.0, 45.0, 89.0].map(direction::<F>) {
+                let (f, pdf) = (layer.eval(wo, wi, Radiance)[0], layer.pdf(wo, wi, Radiance));
+                assert!(f >= F::ZERO && pdf >= F::ZERO, "η = {eta}: f = {f}, pdf = {pdf}");
             }
         }
     }

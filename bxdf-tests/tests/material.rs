@@ -14,7 +14,7 @@ type DVec3 = <f64 as Real>::Vec3;
 fn albedo(material: &Material<f64>, polar_deg: f64) -> [f64; 3] {
     let (sin, cos) = polar_deg.to_radians().sin_cos();
     let specimen = BxdfSpecimen::of_material("material", material.clone());
-    directional_albedo(&specimen, [sin, 0.0, cos], Transport::Importance).value
+    directional_albedo(&specimen, [sin, 0.0, cos], Transport::Importance, 1e-7).value
 }
 
 /// Figure 11: grey plastic below a smooth coat of growing thickness; red, then green and blue.

@@ -199,7 +199,7 @@ impl Specimen for Mass {
 }
 
 fn mass(stack: &Stack<f64>, wo: Direction) -> (f64, f64) {
-    let mass = directional_albedo(&Mass(stack.clone()), wo, Transport::Radiance);
+    let mass = directional_albedo(&Mass(stack.clone()), wo, Transport::Radiance, 1e-7);
     (mass.value[0], mass.error[0])
 }
 
@@ -458,7 +458,8 @@ fn both_samplers_estimate_the_sum_of_the_albedos() {
         let stack = Stack::new(components.clone()).unwrap();
         for polar in [0.0, 60.0, 80.0, 89.0] {
             let wo = direction(polar, 20.0);
-            let albedo = |components| directional_albedo(&specimen(components), wo, Transport::Importance);
+            let albedo =
+                |components| directional_albedo(&specimen(components), wo, Transport::Importance, 1e-7);
             let whole = albedo(components.clone());
             let parts: Vec<_> = components.iter().map(|component| albedo(vec![component.clone()])).collect();
             let mut sums = [[[0.0; 2]; 3]; 2];
@@ -507,7 +508,7 @@ fn val_gloss_over_white_paper_returns_more_than_arrives() {
     let stack = Stack::new([diffuse::<f64>([1.0; 3]), SpecularReflection::new(coat()).into()]).unwrap();
     let specimen = BxdfSpecimen::of_stack("gloss", stack, Energy::Exceeding { at_most: 2.0 });
     for (polar, expected) in [(0.0, 1.040), (60.0, 1.089), (80.0, 1.388)] {
-        let albedo = directional_albedo(&specimen, direction(polar, 0.0), Transport::Radiance);
+        let albedo = directional_albedo(&specimen, direction(polar, 0.0), Transport::Radiance, 1e-7);
         assert!((albedo.value[0] - expected).abs() <= 5e-4, "{polar}: {albedo:?}");
     }
 }

@@ -21,7 +21,7 @@ fn direction(polar_deg: f64, side: f64) -> Direction {
 
 /// Albedo in the measure of power.
 fn albedo(lobe: impl Into<Lobe<f64>>, wo: Direction) -> Albedo {
-    directional_albedo(&BxdfSpecimen::of_lobe("table", lobe), wo, Transport::Importance)
+    directional_albedo(&BxdfSpecimen::of_lobe("table", lobe), wo, Transport::Importance, 0.01 * TOLERANCE)
 }
 
 fn mirror(distribution: Distribution<f64>) -> MicrofacetReflection<f64> {

@@ -197,7 +197,7 @@ fn suites(specimens: &[Box<dyn Specimen>], seed: u64, general: &General) -> (Run
     let record = RunRecord::new(&plan, Suite::ALL, None, examined, verdicts);
     let albedos = specimens
         .par_iter()
-        .map(|specimen| directional_albedo(&**specimen, [0.0, 0.0, 1.0], Transport::Importance).value);
+        .map(|specimen| directional_albedo(&**specimen, [0.0, 0.0, 1.0], Transport::Importance, 1e-6).value);
     (record, albedos.collect())
 }
 

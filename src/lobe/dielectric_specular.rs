@@ -1,6 +1,6 @@
 use crate::bxdf::{Bxdf, BxdfSample, LobeFlags, Pdf, TransportMode, squeeze};
-use crate::frame::{is_above, mirror};
-use crate::fresnel::{DielectricBoundary, dielectric, require_eta};
+use crate::frame::{is_above, mirror, sin2_theta};
+use crate::fresnel::{DielectricBoundary, dielectric_from, require_eta};
 use crate::parameter::{OutOfRange, require_fractions};
 use crate::real::{Real, Vector};
 use crate::rgb::Rgb;
@@ -79,6 +79,12 @@ impl<F: Real> DielectricSpecular<F> {
         self.tints == [Rgb::WHITE; 2]
     }
 
+    /// The Fresnel terms of a direction.
+    #[inline]
+    fn boundary(&self, wo: F::Vec3) -> DielectricBoundary<F> {
+        dielectric_from(wo.z().abs(), sin2_theta::<F>(wo), self.eta, wo.z() > F::ZERO)
+    }
+
     /// Probabilities of reflection and of transmission: what each carries, tint included.
     #[inline]
     pub(crate) fn shares(&self, boundary: &DielectricBoundary<F>) -> [F; 2] {
@@ -127,7 +133,7 @@ impl<F: Real> Bxdf<F> for DielectricSpecular<F> {
             return None;
         }
         let eta = if from_above { self.eta } else { F::ONE / self.eta };
-        let boundary = dielectric(wo.z().abs(), eta);
+        let boundary = self.boundary(wo);
         let [reflected, transmitted] = self.shares(&boundary);
         if uc < reflected {
             return Some(BxdfSample {
@@ -147,8 +153,7 @@ impl<F: Real> Bxdf<F> for DielectricSpecular<F> {
     }
 
     fn albedo(&self, wo: F::Vec3) -> Rgb<F> {
-        let eta = if wo.z() > F::ZERO { self.eta } else { F::ONE / self.eta };
-        let boundary = dielectric(wo.z().abs(), eta);
+        let boundary = self.boundary(wo);
         self.tints[0] * boundary.reflectance.unpolarized()
             + self.tints[1] * boundary.transmittance.unpolarized()
     }

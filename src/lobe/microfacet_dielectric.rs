@@ -1,6 +1,6 @@
 use crate::bxdf::{Bxdf, BxdfSample, LobeFlags, Pdf, TransportMode, squeeze};
-use crate::frame::{is_above, reflect, renormalize};
-use crate::fresnel::{DielectricBoundary, dielectric};
+use crate::frame::{is_above, reflect, renormalize, sin2_between};
+use crate::fresnel::{DielectricBoundary, dielectric_from};
 use crate::lobe::DielectricSpecular;
 use crate::microfacet::{ALPHA_MIN, Distribution, RefractingFacet};
 use crate::parameter::OutOfRange;
@@ -98,7 +98,7 @@ impl<F: Real> MicrofacetDielectric<F> {
         let [reflected, transmitted, fresnel] =
             self.distribution.average_over_visible(cos_theta, [12, 8], |wo, wm| {
                 let cos_theta_o = wo.dot(wm).max(F::ZERO);
-                let boundary = dielectric(cos_theta_o, eta);
+                let boundary = boundary_of::<F>(wo, wm, self.eta(), side > 0.0);
                 let reflectance = boundary.reflectance.unpolarized();
                 let wi = reflect::<F>(wo, wm);
                 let reflected = if is_above::<F>(wi) {
@@ -150,12 +150,29 @@ pub(crate) struct SingleScattering {
 /// The Fresnel terms of a facet, the same from both sides: from the smaller cosine, because the larger one does not have
 /// the digits of its distance from the critical angle.
 #[inline]
-fn fresnel<F: Real>(facet: &RefractingFacet<F>, eta: F) -> DielectricBoundary<F> {
-    if facet.cos_theta_t < facet.cos_theta_o {
-        dielectric(facet.cos_theta_t, F::ONE / eta)
-    } else {
-        dielectric(facet.cos_theta_o, eta)
-    }
+fn boundary_across<F: Real>(facet: &RefractingFacet<F>, eta: F, from_above: bool) -> DielectricBoundary<F> {
+    let from_denser = facet.cos_theta_t < facet.cos_theta_o;
+    let c = if from_denser { facet.cos_theta_t } else { facet.cos_theta_o };
+    dielectric_from(c, (F::ONE - c) * (F::ONE + c), eta, from_above != from_denser)
+}
+
+/// The Fresnel terms of the facet `wm` for `wo`; `eta` is the index below the surface over that above.
+#[inline]
+fn boundary_of<F: Real>(wo: F::Vec3, wm: F::Vec3, eta: F, from_above: bool) -> DielectricBoundary<F> {
+    dielectric_from(wo.dot(wm).max(F::ZERO), sin2_between::<F>(wo, wm), eta, from_above)
+}
+
+/// [`boundary_of`] the facet that reflects `wo` into `wi`.
+#[inline]
+fn boundary_between<F: Real>(
+    wo: F::Vec3,
+    wi: F::Vec3,
+    cos_theta_o: F,
+    eta: F,
+    from_above: bool,
+) -> DielectricBoundary<F> {
+    let half = (wo - wi) * F::HALF;
+    dielectric_from(cos_theta_o, half.dot(half), eta, from_above)
 }
 
 /// The direction into which the facet `wm` refracts `wo`; normalised, because 1/η multiplies what rounding has left of
@@ -178,25 +195,25 @@ impl<F: Real> Bxdf<F> for MicrofacetDielectric<F> {
         let (wo, wi) = (wo * sign, wi * sign);
         if is_above::<F>(wi) {
             let facet = self.distribution.reflection(wo, wi);
-            let reflectance = dielectric(facet.cos_theta_o(), eta).reflectance.unpolarized();
+            let reflectance = boundary_between::<F>(wo, wi, facet.cos_theta_o(), self.eta(), sign > F::ZERO).reflectance.unpolarized();
             return self.smooth.tints()[0] * (reflectance * facet.value);
         }
         let Some(facet) = self.facet_between(wo, wi, sign) else { return Rgb::BLACK };
-        let transmittance = fresnel(&facet, eta).transmittance.unpolarized();
+        let transmittance = boundary_across(&facet, self.eta(), sign > F::ZERO).transmittance.unpolarized();
         let value = self.distribution.transmission(wo, wi, &facet).value;
         self.smooth.tints()[1] * (transmittance * value * squeeze(eta, mode))
     }
 
     #[inline]
     fn pdf(&self, wo: F::Vec3, wi: F::Vec3, _: TransportMode) -> F {
-        let Some((sign, eta)) = self.side(wo).filter(|_| !self.is_smooth) else { return F::ZERO };
+        let Some((sign, _)) = self.side(wo).filter(|_| !self.is_smooth) else { return F::ZERO };
         let (wo, wi) = (wo * sign, wi * sign);
         if is_above::<F>(wi) {
             let (pdf, cos2_theta_o) = self.distribution.reflection_pdf(wo, wi);
-            return pdf * self.smooth.shares(&dielectric(cos2_theta_o.sqrt(), eta))[0];
+            return pdf * self.smooth.shares(&boundary_between::<F>(wo, wi, cos2_theta_o.sqrt(), self.eta(), sign > F::ZERO))[0];
         }
         self.facet_between(wo, wi, sign).map_or(F::ZERO, |facet| {
-            self.distribution.transmission_pdf(wo, &facet) * self.smooth.shares(&fresnel(&facet, eta))[1]
+            self.distribution.transmission_pdf(wo, &facet) * self.smooth.shares(&boundary_across(&facet, self.eta(), sign > F::ZERO))[1]
         })
     }
 
@@ -209,7 +226,7 @@ impl<F: Real> Bxdf<F> for MicrofacetDielectric<F> {
         let wo = wo * sign;
         let (wm, uc) = self.distribution.sample_visible(wo, uc, u)?;
         let cos_theta_o = wo.dot(wm).max(F::ZERO);
-        let boundary = dielectric(cos_theta_o, eta);
+        let boundary = boundary_of::<F>(wo, wm, self.eta(), sign > F::ZERO);
         let [reflected, transmitted] = self.smooth.shares(&boundary);
         if uc < reflected {
             let wi = renormalize::<F>(reflect::<F>(wo, wm));

@@ -142,7 +142,12 @@ impl<F: Real> RefractiveLayer<F> {
             [k[0], k[1], k[2], s[0], s[1], s[2], peaked].map(F::from_f64)
         });
         let [k, s] = inside.mean_moments(&*base);
-        self.escape = Rgb(core::array::from_fn(|channel| F::from_f64(s[channel] / (1.0 - k[channel]))));
+        // What was returned escapes once at most; where nearly all is returned again, 1 − K̄ is no more than the error of
+        // the cubature.
+        self.escape = Rgb(core::array::from_fn(|channel| {
+            let leaves_in_the_end = (1.0 - k[channel]).max(s[channel]);
+            F::from_f64(if leaves_in_the_end > 0.0 { s[channel] / leaves_in_the_end } else { 0.0 })
+        }));
         self.inverse_mean = Rgb(core::array::from_fn(|channel| {
             let mean = panels(0.0, 1.0, INTERVALS, &|mu| {
                 let cos_theta = F::from_f64(mu);

@@ -95,7 +95,14 @@ impl<F: Real> VisibleNormals<F> {
 }
 
 /// The slope s ≤ c with I(s) = u I(c), where I(s) = ½ [c erfc(−s) + e^{−s²} / √π].
+#[inline]
 pub(crate) fn invert_slope<F: Real>(c: F, u: F) -> F {
+    slope_and_steps(c, u).0
+}
+
+/// [`invert_slope`] with the number of its steps: two on average, and no extreme is known that takes more than twenty.
+#[inline]
+fn slope_and_steps<F: Real>(c: F, u: F) -> (F, u32) {
     // I and its derivative (c − s) e^{−s²} / √π share the exponential.
     let integral = |s: F| {
         let gaussian = (-s * s).exp() * frac_1_sqrt_pi();
@@ -103,27 +110,58 @@ pub(crate) fn invert_slope<F: Real>(c: F, u: F) -> F {
     };
     // Beyond ±7 the density is below the rounding of its integral in double precision.
     let (mut low, mut high) = (-F::from_f64(7.0), c.min(F::from_f64(7.0)));
-    let target = u * integral(high).0;
+    let whole = integral(high).0;
+    let (target, rest) = (u * whole, (F::ONE - u) * whole);
+    if u < F::from_f64(1e-20) && target <= integral(low).0 {
+        return (low, 0);
+    }
     let mut s = guess_slope(c, u).max(low).min(high);
-    // Three steps on average; the bracket bounds them where Newton alone would leave the domain.
-    for _ in 0..64 {
+    let is_near_end = u > F::from_f64(0.9);
+    if is_near_end {
+        // I ends like a parabola, because I′ is 0 at c: no slope is left of the one that is steepest there.
+        let end = c - (F::TWO * rest / ((-c * c).exp() * frac_1_sqrt_pi())).sqrt();
+        if end > low {
+            s = if s < high { s.max(end) } else { end };
+        }
+    }
+    let most = 64;
+    for steps in 1..=most {
         let (value, derivative) = integral(s);
         let excess = value - target;
+        if excess.abs() <= F::TWO * F::EPSILON * target {
+            // What is left is rounding, and where I is flat steps would follow it to and fro.
+            return (s, steps);
+        }
         if excess > F::ZERO {
             high = s;
         } else {
             low = s;
         }
-        let newton = s - excess / derivative;
+        // Newton's step towards the target; of logarithms where I or what it lacks falls like a Gaussian's tail, and of
+        // roots where a logarithm would leave the domain.
+        let newton = if is_near_end {
+            let missing = whole - value;
+            let step = missing / derivative * (missing / rest).ln();
+            if s + step < high {
+                s + step
+            } else {
+                s + F::TWO / derivative * (missing - (missing * rest).sqrt())
+            }
+        } else if value > F::TWO * target {
+            s - value / derivative * (value / target).ln()
+        } else {
+            s - excess / derivative
+        };
+        // Outside of what is known of the slope, and NaN, is answered by halving that.
         let next = if newton >= low && newton <= high { newton } else { F::HALF * (low + high) };
         let step = next - s;
         s = next;
         // The error after a Newton step is about its square over the distance to c, where I′ vanishes.
         if step * step <= F::HALF * F::EPSILON * (c - s).min(F::ONE) || high - low <= F::EPSILON {
-            break;
+            return (s, steps);
         }
     }
-    s
+    (s, most)
 }
 
 /// A first guess of the slope: I is c times a Gaussian integral, inverted by Winitzki's formula, plus a Rayleigh
@@ -161,5 +199,37 @@ mod tests {
                 assert!(single.is_finite() && single <= c as f32);
             }
         }
+    }
+
+    /// Steps of the slowest inversion over cotangents and uniforms down to the smallest numbers and up to the last below 1.
+    fn most_steps<F: Real>(smallest: f64) -> (u32, [f64; 2]) {
+        let below_one = 1.0 - 0.5 * F::EPSILON.to_f64();
+        let mut uniforms = vec![0.0, smallest, below_one];
+        uniforms.extend((1..1000).map(|i| f64::from(i) / 1000.0));
+        for i in 1..640 {
+            let near = libm::pow(10.0, -f64::from(i) / 40.0);
+            uniforms.extend([near, near.powi(20), (1.0 - near).min(below_one)]);
+        }
+        let mut worst = (0, [0.0; 2]);
+        // From the smallest number to the largest cotangent that is inverted.
+        let cotangents = (0..400).map(|i| libm::pow(10.0, -20.0 + f64::from(i) / 11.0));
+        for c in cotangents.chain([smallest, 1e-100]).filter(|&c| c * F::EPSILON.to_f64() < 1.0) {
+            for &u in &uniforms {
+                let (slope, steps) = slope_and_steps(F::from_f64(c), F::from_f64(u));
+                assert!(slope.is_finite(), "c {c:e} u {u:e}");
+                if steps > worst.0 {
+                    worst = (steps, [c, u]);
+                }
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn the_steps_of_an_inversion_are_bounded_over_its_extremes() {
+        let single = most_steps::<f32>(f32::from_bits(1).into());
+        let double = most_steps::<f64>(f64::from_bits(1));
+        println!("most steps, with c and u: {single:?} {double:?}");
+        assert!(single.0 <= 16 && double.0 <= 20, "{single:?} {double:?}");
     }
 }

@@ -97,11 +97,6 @@ pub(super) fn glass() -> Built {
     Ok(Box::new(BxdfSpecimen::of_lobe("glass", DielectricSpecular::new(GLASS)?)))
 }
 
-/// Glass in a liquid of nearly its index, in single precision.
-pub(super) fn matched_glass_f32() -> Built {
-    Ok(Box::new(BxdfSpecimen::of_lobe("matched_glass", DielectricSpecular::new(1.001_f32)?)))
-}
-
 /// Glass of which nothing is claimed but what every specimen claims.
 pub(super) fn unknown_glass() -> Built {
     let claims = Claims { two_sided: true, transmits: true, ..Claims::reflector(Precision::F64) };

@@ -105,7 +105,7 @@ fn allowed(
     eta: f64,
 ) -> f64 {
     let epsilon = examination.claims.precision.epsilon();
-    let step = 4.0 * epsilon;
+    let step = epsilon;
     let change = [
         g((cos_theta * (1.0 + step)).min(1.0), eta),
         g(cos_theta * (1.0 - step), eta),

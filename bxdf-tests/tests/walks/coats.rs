@@ -9,7 +9,7 @@ use crate::closed_form::{
 use crate::fresnel;
 use crate::layered::{self, Base, Interface};
 use crate::lobes::distribution;
-use crate::statistics::{Checks, generator};
+use crate::statistics::{CUBATURE, Checks, generator};
 use crate::surface::{Shape, Surface};
 use crate::vector::{Vector, direction};
 use crate::walk_facts::{SHAPES, product};
@@ -56,7 +56,12 @@ fn layer(coat: Coat<f64>, base: Arc<dyn Bxdf<f64>>) -> RefractiveLayer<f64> {
 
 fn albedo_of(lobes: Vec<Lobe<f64>>, wo: Vector) -> Albedo {
     let stack = Stack::new(lobes).unwrap();
-    directional_albedo(&BxdfSpecimen::of_stack("coat", stack, Energy::Conserving), wo, Transport::Radiance)
+    directional_albedo(
+        &BxdfSpecimen::of_stack("coat", stack, Energy::Conserving),
+        wo,
+        Transport::Radiance,
+        CUBATURE,
+    )
 }
 
 /// A smooth coat with its gloss.
@@ -69,7 +74,8 @@ fn with_gloss(layer: &RefractiveLayer<f64>, eta: f64) -> Vec<Lobe<f64>> {
 fn interface(surface: &Surface, eta: f64, wo: Vector) -> [f64; 2] {
     let boundary = MicrofacetDielectric::new(distribution(surface), eta).unwrap();
     let tinted = boundary.with_tints(Rgb([1.0, 0.0, 0.0]), Rgb([0.0, 1.0, 0.0])).unwrap();
-    let albedo = directional_albedo(&BxdfSpecimen::of_lobe("interface", tinted), wo, Transport::Importance);
+    let albedo =
+        directional_albedo(&BxdfSpecimen::of_lobe("interface", tinted), wo, Transport::Importance, CUBATURE);
     [albedo.value[0], albedo.value[1]]
 }
 

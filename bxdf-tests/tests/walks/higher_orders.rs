@@ -2,7 +2,7 @@
 
 use crate::lobes::{distribution, fresnel_term};
 use crate::smith::{self, Boundary};
-use crate::statistics::{Checks, generator};
+use crate::statistics::{CUBATURE, Checks, generator};
 use crate::surface::Surface;
 use crate::vector::{Vector, direction, scale};
 use crate::walk_facts::{SHAPES, product};
@@ -45,7 +45,7 @@ impl AllOrders {
 
     /// R and T in the measure of power, and the bound of the cubature.
     fn sides(&self, wo: Vector) -> [f64; 3] {
-        let single = directional_albedo(&self.single, wo, Transport::Importance);
+        let single = directional_albedo(&self.single, wo, Transport::Importance, CUBATURE);
         let [reflected, transmitted] = [wo[2].signum(), -wo[2].signum()].map(|side| self.higher_to(wo, side));
         let [r, t, _] = single.value;
         [r + reflected, t + transmitted, single.error[0].max(single.error[1])]
@@ -53,7 +53,7 @@ impl AllOrders {
 
     /// R alone, in one channel.
     fn reflected(&self, wo: Vector) -> [f64; 2] {
-        let single = directional_albedo(&self.single, wo, Transport::Importance);
+        let single = directional_albedo(&self.single, wo, Transport::Importance, CUBATURE);
         [single.value[0] + self.higher_to(wo, wo[2].signum()), single.error[0]]
     }
 

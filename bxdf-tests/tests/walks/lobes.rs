@@ -4,7 +4,7 @@
 use crate::fresnel;
 use crate::layered::{self, Base, Coat, Interface};
 use crate::smith::{self, Boundary};
-use crate::statistics::{Checks, generator};
+use crate::statistics::{CUBATURE, Checks, generator};
 use crate::surface::{Shape, Surface};
 use crate::vector::{Vector, direction, refract, scale};
 use bxdf_tests::{Claims, Direction, Measure, Precision, Scatter, Specimen, Transport, directional_albedo};
@@ -54,7 +54,8 @@ fn microfacet_reflection_is_the_first_order_of_the_walk() {
         .par_iter()
         .map(|(surface, boundary, wo)| {
             let lobe = MicrofacetReflection::new(distribution(surface), fresnel_term(*boundary));
-            let albedo = directional_albedo(&BxdfSpecimen::of_lobe("rough", lobe), *wo, Transport::Radiance);
+            let albedo =
+                directional_albedo(&BxdfSpecimen::of_lobe("rough", lobe), *wo, Transport::Radiance, CUBATURE);
             let mut rng = generator(&format!("first order {surface:?} {boundary:?} {wo:?}"));
             (albedo, smith::walk(surface, *boundary, *wo, 1 << 16, &mut rng))
         })
@@ -145,7 +146,7 @@ fn first_bounce_below_a_smooth_coat_is_the_base_seen_through_it() {
             let base = Base::RoughConductor { surface, eta, k };
             let mut rng = generator(&format!("first bounce {surface:?} {coat:?} {wo:?}"));
             let estimate = layered::walk(&coat, &base, wo, 1 << 17, &mut rng);
-            (directional_albedo(&specimen, wo, Transport::Radiance), estimate)
+            (directional_albedo(&specimen, wo, Transport::Radiance, CUBATURE), estimate)
         })
         .collect();
     let mut checks = Checks::new();

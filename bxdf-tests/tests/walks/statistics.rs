@@ -10,6 +10,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 const FAMILY_ERROR_RATE: f64 = bxdf_tests::FAMILY_ERROR_RATE;
 /// The number of checks among which it is divided.
 const MOST_CHECKS: usize = 2000;
+/// What the cubature of an albedo may be wrong by: no mean of a walk sees a hundred times as much.
+pub(crate) const CUBATURE: f64 = 1e-5;
 const LEVEL: f64 = FAMILY_ERROR_RATE / MOST_CHECKS as f64;
 static CHECKS: AtomicUsize = AtomicUsize::new(0);
 
