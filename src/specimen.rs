@@ -418,6 +418,43 @@ impl Kind {
         }
     }
 
+    /// How the names of its specimens begin: what stands before their `/case`.
+    pub fn families(self) -> Vec<String> {
+        let fixed: &[&str] = match self {
+            Self::Lobe(kind) => match kind {
+                LobeKind::Lambertian => &["lambertian"],
+                LobeKind::OrenNayar => &["oren_nayar"],
+                LobeKind::Fabric => &["fabric"],
+                LobeKind::SpecularReflection => &["smooth_conductor", "ideal_mirror", "smooth_gloss"],
+                LobeKind::DielectricSpecular => &["smooth_dielectric", "coloured_glass"],
+                LobeKind::SpecularTransmission => &["ideal_transmission"],
+                LobeKind::ThinSheet => &["thin_sheet"],
+                LobeKind::MicrofacetReflection => {
+                    &["rough_conductor", "rough_mirror", "smooth_limit", "rough_gloss"]
+                }
+                LobeKind::MicrofacetDielectric => &["rough_dielectric", "smooth_limit"],
+                LobeKind::KullaContyReflection => &["higher_orders"],
+                LobeKind::KullaContyDielectric => &["higher_orders_dielectric"],
+                LobeKind::RefractiveLayer => &["coat"],
+            },
+            Self::Stack => &["stack"],
+            Self::Material(model) => {
+                let presets = PRESETS.iter().filter(|preset| preset.model == model);
+                return presets.map(|preset| format!("material/{}", preset.name)).collect();
+            }
+            Self::Grid => &["grid"],
+        };
+        fixed.iter().map(|&family| family.to_owned()).collect()
+    }
+
+    /// Whether the name of one of its specimens may start so; none is built to find out.
+    pub fn may_have(self, start: &str) -> bool {
+        self.families().iter().any(|family| {
+            family.starts_with(start)
+                || start.strip_prefix(&**family).is_some_and(|case| case.starts_with('/'))
+        })
+    }
+
     fn cases<F: Real>(self) -> Result<Vec<BxdfSpecimen<F>>, CatalogueError> {
         match self {
             Self::Lobe(kind) => cases::of_lobe(kind),
@@ -546,11 +583,21 @@ mod tests {
     }
 
     #[test]
-    fn names_are_unique() {
-        let mut names: Vec<_> = catalogue().unwrap().iter().map(|specimen| specimen.name()).collect();
-        let count = names.len();
-        names.sort();
-        names.dedup();
-        assert_eq!(names.len(), count);
+    fn names_are_unique_and_begin_as_their_kind_says() {
+        let mut all = Vec::new();
+        for kind in Kind::catalogue().chain([Kind::Grid]) {
+            let names: Vec<_> = specimens_of(kind).unwrap().iter().map(|case| case.name()).collect();
+            for name in &names {
+                assert!(kind.may_have(name), "{name} of {}", kind.name());
+            }
+            for family in kind.families() {
+                assert!(names.iter().any(|name| name.starts_with(&family)), "{family} of {}", kind.name());
+            }
+            all.extend(names);
+        }
+        let count = all.len();
+        all.sort();
+        all.dedup();
+        assert_eq!(all.len(), count);
     }
 }

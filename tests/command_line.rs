@@ -118,7 +118,16 @@ fn figures_come_with_their_numbers() {
 #[test]
 fn verdicts_do_not_depend_on_threads_and_do_on_the_seed() {
     let run = |extra: &[&str]| {
-        let common = ["verify", "fabric", "lambertian", "--quiet", "--samples", "2000", "--format", "json"];
+        let common = [
+            "verify",
+            "specular_transmission",
+            "lambertian",
+            "--quiet",
+            "--samples",
+            "2000",
+            "--format",
+            "json",
+        ];
         accepted(&[&common[..], extra].concat())
     };
     let one = run(&["--threads", "1"]);

@@ -114,25 +114,32 @@ pub(crate) fn run(options: &Options, general: &General) -> Result<ExitCode, Fail
 /// Planted bugs stand beside the catalogue, for what a violation says.
 const PLANTED: &str = "planted";
 
+/// Kinds with their specimens.
+fn built(kinds: impl Iterator<Item = Kind>) -> Result<Vec<(Kind, Vec<Box<dyn Specimen>>)>, CatalogueError> {
+    let kinds: Vec<Kind> = kinds.collect();
+    kinds.into_par_iter().map(|kind| Ok((kind, specimens_of(kind)?))).collect()
+}
+
 /// The specimens that one of the names means; a name that means none is an error.
 pub(super) fn select(names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure> {
-    let mut known: Vec<String> = Vec::new();
     let mut used = vec![false; names.len()];
     let mut selected = Vec::new();
     // The long form only if it is named.
     let is_long = |name: &String| name.starts_with(Kind::Grid.name());
-    let kinds = || Kind::catalogue().chain(names.iter().any(is_long).then_some(Kind::Grid));
-    // Where every name is that of a kind, the others need not be built.
-    let is_kind = |name: &String| name.starts_with(PLANTED) || kinds().any(|kind| name == kind.name());
-    let by_kind = !names.is_empty() && names.iter().all(is_kind);
-    let wanted_kinds: Vec<Kind> =
-        kinds().filter(|kind| !by_kind || names.iter().any(|name| name == kind.name())).collect();
-    let built: Vec<_> = wanted_kinds
-        .into_par_iter()
-        .map(|kind| Ok((kind, specimens_of(kind)?)))
-        .collect::<Result<_, CatalogueError>>()?;
-    for (kind, specimens) in built {
-        known.push(kind.name().to_owned());
+    let kinds: Vec<Kind> = Kind::catalogue().chain(names.iter().any(is_long).then_some(Kind::Grid)).collect();
+    let mut known: Vec<String> = Vec::new();
+    for &kind in &kinds {
+        let families = kind.families();
+        let first = families.iter().filter_map(|family| family.split('/').next());
+        for name in [kind.name()].into_iter().chain(first) {
+            if !known.iter().any(|known| known == name) {
+                known.push(name.to_owned());
+            }
+        }
+    }
+    let is_wanted =
+        |kind: &Kind| names.is_empty() || names.iter().any(|name| name == kind.name() || kind.may_have(name));
+    for (kind, specimens) in built(kinds.iter().copied().filter(is_wanted))? {
         for specimen in specimens {
             let full = specimen.name();
             let mut wanted = names.is_empty();
@@ -141,11 +148,6 @@ pub(super) fn select(names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure
                 *used |= fits;
                 wanted |= fits;
             }
-            let family = full.split('/').next().unwrap_or_default().to_owned();
-            if !known.contains(&family) {
-                known.push(family);
-            }
-            known.push(full);
             if wanted {
                 selected.push(specimen);
             }
@@ -166,6 +168,10 @@ pub(super) fn select(names: &[String]) -> Result<Vec<Box<dyn Specimen>>, Failure
     match names.iter().zip(used).find(|&(_, used)| !used) {
         None => Ok(selected),
         Some((name, _)) => {
+            if name.contains('/') {
+                let all = built(kinds.iter().copied())?.into_iter().flat_map(|(_, specimens)| specimens);
+                known.extend(all.map(|specimen| specimen.name()));
+            }
             // Whoever names no case is told of no case.
             let is_alike = |known: &&str| name.contains('/') == known.contains('/');
             let hint = did_you_mean(name, known.iter().map(String::as_str).filter(is_alike));
