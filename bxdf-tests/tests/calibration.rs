@@ -119,7 +119,7 @@ fn p_values_on_correct_specimens_are_uniform() {
     let seed = run_seed();
     println!("run seed {seed}");
     let p_values_per_check = setting("BXDF_TESTS_P_VALUES", 800);
-    let samples = setting("BXDF_TESTS_SAMPLES", 1 << 14) as usize;
+    let samples = setting("BXDF_TESTS_SAMPLES", 1 << 13) as usize;
     let mut checks: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     let mut failures = Vec::new();
     for specimen in specimens() {
@@ -174,7 +174,8 @@ fn p_values_on_correct_specimens_are_uniform() {
     for (what, p_values) in checks {
         // Together they see smaller errors than those of one specimen.
         failures.extend(not_uniform("all specimens", what, &p_values));
-        if p_values.len() < 1000 && !what.contains("next to nothing") {
+        // Which of the directions that only the run seed knows have enough to compare is chance.
+        if 2 * (p_values.len() as u64) < p_values_per_check && !what.contains("next to nothing") {
             failures.push(format!("{what}: only {} p-values", p_values.len()));
         }
     }

@@ -557,7 +557,7 @@ fn a_thick_coat_is_black<F: Real>() {
     for base in bases::<F>() {
         for roughness in [None, Some(rough(0.3))] {
             // Into the subnormal numbers of both precisions, out of them, and beyond the largest number.
-            let thick = [30.0, 43.0, 85.0, 88.0, 95.0, 300.0, 370.0, 700.0, 710.0, 745.0, 1e3, 1e30];
+            let thick = [30.0, 43.0, 86.0, 95.0, 370.0, 710.0, 740.0, 1e30];
             for (thickness, sigma_a) in thick.into_iter().map(|tau| (tau, 1.0)).chain([(1e30, 1e30)]) {
                 let lobe = layer(F::from_f64(thickness), sigma_a, roughness, &base);
                 let tau = thickness * sigma_a;

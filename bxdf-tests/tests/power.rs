@@ -107,7 +107,7 @@ fn seeds(few: u64) -> u64 {
 
 #[test]
 fn errors_of_one_percent_are_always_found() {
-    let (seed, seeds) = (run_seed(), seeds(10));
+    let (seed, seeds) = (run_seed(), seeds(6));
     println!("run seed {seed}");
     let gloss = mirror(Shape::Ggx, 0.1);
     let delta =
@@ -124,12 +124,12 @@ fn errors_of_one_percent_are_always_found() {
 /// The best possible test finds 0.36 % (GGX) and 0.21 % (Beckmann) with probability 0.95.
 #[test]
 fn a_roughness_that_is_hardly_off_is_found() {
-    let (seed, seeds) = (run_seed(), seeds(40));
+    let (seed, seeds) = (run_seed(), seeds(20));
     println!("run seed {seed}");
     for specimen in [roughness(Shape::Ggx, 0.5, 0.005), roughness(Shape::Beckmann, 0.5, 0.003)] {
-        // With probability 0.95 each, two thirds of 40 or fewer come out once in 10⁸ runs.
+        // With probability 0.95 each, half of 20 or fewer come out once in 10⁸ runs.
         let found = found(&specimen, seed, seeds);
-        assert!(3 * found > 2 * seeds, "{}: {found}", specimen.name);
+        assert!(2 * found > seeds, "{}: {found}", specimen.name);
     }
 }
 
