@@ -417,15 +417,17 @@ impl<F: Real> Distribution<F> {
         let (length_squared, along) = (facet.dot(facet), wo.dot(facet));
         let scale = along / length_squared;
         // The facet is doubled and not its scale, which is known later.
-        let wi = renormalize::<F>((facet + facet) * scale - wo);
+        let reflected = (facet + facet) * scale - wo;
+        // What the facet scatters depends on the length to rounding, and need not wait for it.
+        let wi = renormalize::<F>(reflected);
         if !is_above::<F>(wi) {
             return None;
         }
         let cos2_theta_o = along * scale;
         if self.shadowing == Shadowing::VCavity {
-            return Some((wi, self.reflect_off_wall(wo, wi, facet, along)));
+            return Some((wi, self.reflect_off_wall(wo, reflected, facet, along)));
         }
-        Some((wi, self.reflect_off(wo, wi, self.half_density(unit, length_squared), cos2_theta_o)))
+        Some((wi, self.reflect_off(wo, reflected, self.half_density(unit, length_squared), cos2_theta_o)))
     }
 
     /// [`Self::reflection`] about a facet `m` that was sampled.
