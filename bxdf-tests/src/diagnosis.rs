@@ -10,6 +10,7 @@ mod shape;
 
 use core::fmt;
 
+use crate::claims::Claims;
 use crate::plan::Setting;
 use crate::residual::{Evidence, Row};
 use crate::specimen::{Measure, Transport};
@@ -197,15 +198,25 @@ fn variance(row: &Row) -> f64 {
 }
 
 /// The bug that explains the counts of several settings, the first of them the most telling one.
-pub(crate) fn of_counts(evidence: &[Evidence], roughness: Option<Roughness>) -> Option<Diagnosis> {
+///
+/// A lobe that claims to be isotropic has no axes to exchange; a density of four-fold symmetry would fit that.
+pub(crate) fn of_counts(
+    evidence: &[Evidence],
+    roughness: Option<Roughness>,
+    claims: &Claims,
+) -> Option<Diagnosis> {
     let counts = Counts { evidence, rows: evidence.iter().flat_map(|evidence| &evidence.rows).collect() };
     let before = counts.shared(|row| [row.expected, 0.0]).rest;
     let noise = (2.0 * counts.rows.len() as f64).sqrt();
     if before.is_nan() || before < LEAST_SIGNAL * noise {
         return None;
     }
+    let has_axes = |candidate: &Candidate| match candidate {
+        Candidate::Shaped(shape, _) => SHAPES[*shape] != Shape::Exchanged || !claims.isotropic,
+        _ => true,
+    };
     let fits: Vec<(Candidate, Fit)> =
-        candidates().map(|candidate| (candidate, counts.fit(candidate))).collect();
+        candidates().filter(has_axes).map(|candidate| (candidate, counts.fit(candidate))).collect();
     // Each number that is fitted explains some of the noise, too.
     let score = |fit: &Fit| fit.rest + 2.0 * noise * fit.parameters.saturating_sub(1) as f64;
     let scores = fits.iter().map(|(_, fit)| score(fit));

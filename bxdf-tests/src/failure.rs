@@ -154,7 +154,7 @@ impl Examination<'_> {
             let gathered =
                 chosen.iter().enumerate().map(|(i, surveyed)| gather(self, surveyed, i, roughness));
             let evidence: Vec<_> = gathered.collect();
-            let diagnosis = of_counts(&evidence, roughness);
+            let diagnosis = of_counts(&evidence, roughness, &self.claims);
             (evidence, diagnosis)
         };
         let (mut evidence, diagnosis) = explain(&chosen);

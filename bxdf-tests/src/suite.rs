@@ -124,6 +124,8 @@ pub struct Examination<'a> {
     pub(crate) claims: Claims,
     pub(crate) plan: &'a Plan,
     surveys: Arc<OnceLock<Vec<Surveyed>>>,
+    /// Whether verdicts state what effect they would find.
+    states_effects: bool,
 }
 
 /// A setting with what was measured at it.
@@ -196,7 +198,8 @@ impl Trial<'_> {
         let plan = self.examination.plan.repetition(repetition);
         let Examination { specimen, name, claims, surveys, .. } = self.examination;
         let (name, claims, surveys) = (name.clone(), claims.clone(), Arc::clone(surveys));
-        let fresh = Examination { specimen: *specimen, name, claims, plan: &plan, surveys };
+        let fresh =
+            Examination { specimen: *specimen, name, claims, plan: &plan, surveys, states_effects: false };
         let mut ledger = Ledger::default();
         fresh.judge(&self.examination.repeated(self.surveyed, &plan), &mut ledger, |survey, tally| {
             fresh.p_values(survey, tally).into_iter().map(|(_, p_value)| p_value).collect()
@@ -216,7 +219,14 @@ impl<'a> Examination<'a> {
 
     /// Prepares an examination under a name that takes the place of the specimen's own, in seeds and verdicts.
     pub fn named(name: impl Into<String>, specimen: &'a dyn Specimen, plan: &'a Plan) -> Self {
-        Self { specimen, name: name.into(), claims: specimen.claims(), plan, surveys: Arc::default() }
+        Self {
+            specimen,
+            name: name.into(),
+            claims: specimen.claims(),
+            plan,
+            surveys: Arc::default(),
+            states_effects: true,
+        }
     }
 
     /// Name of the specimen.
@@ -250,6 +260,7 @@ impl<'a> Examination<'a> {
             claims: self.claims.clone(),
             plan: self.plan,
             surveys: Arc::clone(&self.surveys),
+            states_effects: self.states_effects,
         };
         let result = catch_unwind(AssertUnwindSafe(|| suite.run(&examination, &mut ledger)));
         if let Err(payload) = result {
@@ -300,6 +311,9 @@ impl<'a> Examination<'a> {
         what: &'static str,
         effect: impl Fn(f64, f64) -> f64,
     ) -> Option<Detectable<&'static str>> {
+        if !self.states_effects {
+            return None;
+        }
         let ln_second = self.plan.ln_level() - LN_GREY;
         let more = Look::second(self.plan).samples as f64;
         let of_both = |samples: f64| effect(LN_GREY, samples).max(effect(ln_second, more * samples));

@@ -423,6 +423,10 @@ fn what_is_not_in_the_dictionary_is_not_named() {
     for pdf in [wavy, patchy] {
         assert_eq!(named(&Bugged { pdf, ..correct(MIRROR) }, Suite::ChiSquare), None);
     }
+    // Its axes exchanged, it fits the little that the cells see; the lobe claims to have none.
+    let rippled = PlantedBug::ALL.iter().find(|bug| bug.name == "density_ripples_inside_cells").unwrap();
+    let rippled = verdict(&*rippled.mutant().unwrap(), Suite::ChiSquare);
+    assert_eq!((rippled.outcome, &rippled.diagnosis), (Outcome::Violated, &None), "{rippled}");
     let weight: Number = |_, _, wi| 1.0 + 0.5 * (9.0 * wi[0]).sin();
     assert_eq!(named(&Bugged { weight, ..correct(MIRROR) }, Suite::Weight), None);
 }

@@ -94,7 +94,9 @@ pub(super) fn p_values(examination: &Examination<'_>, survey: &Survey, tally: &T
             let cells = is_finest.then_some(pearson.cells);
             let ln_p = pearson.ln_p;
             let samples = tally.samples;
-            PValue { what: WHAT[level], ln_p, samples, cells, detectable, inconclusive, wants_samples: false }
+            // A second look has a finer cubature too.
+            let wants_samples = inconclusive.is_some();
+            PValue { what: WHAT[level], ln_p, samples, cells, detectable, inconclusive, wants_samples }
         })
         .collect();
     let rare = || finest.iter().filter(|row| samples * row.probability < POOLED_BELOW);
