@@ -155,7 +155,7 @@ pub(super) const STYLE: &str = "
 .e0 { fill: #440154 } .e1 { fill: #414487 } .e2 { fill: #2a788e } .e3 { fill: #22a884 } .e4 { fill: #7ad151 } .e5 { fill: #fde725 }
 .maps { display: flex; flex-wrap: wrap; gap: .3rem 1.6rem } .maps figure { margin: .3rem 0; max-width: 22rem } .maps figcaption { line-height: 1.25; font-size: .78rem }
 .pair { display: flex; gap: .5rem } .pair div { font-size: .72rem; line-height: 1.2; width: 6.6rem } .control { color: var(--soft) }
-td.number { text-align: right }
+td.number { text-align: right } td.control { white-space: normal; min-width: 9rem }
 ";
 
 /// A map as squares, runs of one class as one rectangle; the second axis goes up.
@@ -287,7 +287,8 @@ fn working_range(extremes: &Extremes) -> Markup {
         h3 { "How rough a lobe has to be" }
         p {
             "Rounding the two directions alone moves D by this much, whatever the form: seen from 60°, facets within 2α of the "
-            "normal. Single precision is good for a tenth of a percent down to α = 1e-4, where lobes become deltas."
+            "normal. Single precision is good for a tenth of a percent down to α = 1e-4, where lobes become deltas. At α = 0.5 "
+            "facets that are met edge-on are among them: two opposite directions hardly determine the normal between them."
         }
         div class="scroll" { table {
             thead { tr { th { "α" } @for rounded in &extremes.rounded { th { (power(rounded.alpha)) } } } }
