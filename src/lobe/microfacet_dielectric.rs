@@ -195,8 +195,8 @@ impl<F: Real> Bxdf<F> for MicrofacetDielectric<F> {
         let (wo, wi) = (wo * sign, wi * sign);
         if is_above::<F>(wi) {
             let facet = self.distribution.reflection(wo, wi);
-            let reflectance = boundary_between::<F>(wo, wi, facet.cos_theta_o(), self.eta(), sign > F::ZERO).reflectance.unpolarized();
-            return self.smooth.tints()[0] * (reflectance * facet.value);
+            let boundary = boundary_between::<F>(wo, wi, facet.cos_theta_o(), self.eta(), sign > F::ZERO);
+            return self.smooth.tints()[0] * (boundary.reflectance.unpolarized() * facet.value);
         }
         let Some(facet) = self.facet_between(wo, wi, sign) else { return Rgb::BLACK };
         let transmittance = boundary_across(&facet, self.eta(), sign > F::ZERO).transmittance.unpolarized();
@@ -210,10 +210,13 @@ impl<F: Real> Bxdf<F> for MicrofacetDielectric<F> {
         let (wo, wi) = (wo * sign, wi * sign);
         if is_above::<F>(wi) {
             let (pdf, cos2_theta_o) = self.distribution.reflection_pdf(wo, wi);
-            return pdf * self.smooth.shares(&boundary_between::<F>(wo, wi, cos2_theta_o.sqrt(), self.eta(), sign > F::ZERO))[0];
+            let boundary =
+                boundary_between::<F>(wo, wi, cos2_theta_o.sqrt(), self.eta(), sign > F::ZERO);
+            return pdf * self.smooth.shares(&boundary)[0];
         }
         self.facet_between(wo, wi, sign).map_or(F::ZERO, |facet| {
-            self.distribution.transmission_pdf(wo, &facet) * self.smooth.shares(&boundary_across(&facet, self.eta(), sign > F::ZERO))[1]
+            let boundary = boundary_across(&facet, self.eta(), sign > F::ZERO);
+            self.distribution.transmission_pdf(wo, &facet) * self.smooth.shares(&boundary)[1]
         })
     }
 
