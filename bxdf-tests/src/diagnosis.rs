@@ -197,9 +197,12 @@ fn variance(row: &Row) -> f64 {
     (0.5 * (row.observed + row.expected)).max(1.0)
 }
 
-/// The bug that explains the counts of several settings, the first of them the most telling one.
-///
 /// A lobe that claims to be isotropic has no axes to exchange; a density of four-fold symmetry would fit that.
+fn may_explain(shape: &Shape, claims: &Claims) -> bool {
+    !(claims.isotropic && *shape == Shape::Exchanged)
+}
+
+/// The bug that explains the counts of several settings, the first of them the most telling one.
 pub(crate) fn of_counts(
     evidence: &[Evidence],
     roughness: Option<Roughness>,
@@ -211,12 +214,12 @@ pub(crate) fn of_counts(
     if before.is_nan() || before < LEAST_SIGNAL * noise {
         return None;
     }
-    let has_axes = |candidate: &Candidate| match candidate {
-        Candidate::Shaped(shape, _) => SHAPES[*shape] != Shape::Exchanged || !claims.isotropic,
+    let is_possible = |candidate: &Candidate| match candidate {
+        Candidate::Shaped(shape, _) => may_explain(&SHAPES[*shape], claims),
         _ => true,
     };
     let fits: Vec<(Candidate, Fit)> =
-        candidates().filter(has_axes).map(|candidate| (candidate, counts.fit(candidate))).collect();
+        candidates().filter(is_possible).map(|candidate| (candidate, counts.fit(candidate))).collect();
     // Each number that is fitted explains some of the noise, too.
     let score = |fit: &Fit| fit.rest + 2.0 * noise * fit.parameters.saturating_sub(1) as f64;
     let scores = fits.iter().map(|(_, fit)| score(fit));
@@ -475,7 +478,9 @@ pub(crate) fn of_weights(
     if before < measured.len() as f64 * LEAST_RATIO * LEAST_RATIO {
         return None;
     }
-    let shapes = SHAPES.iter().copied().filter(|shape| !matches!(shape, Shape::Side(_)));
+    let is_possible =
+        |shape: &Shape| !matches!(shape, Shape::Side(_)) && may_explain(shape, &examination.claims);
+    let shapes = SHAPES.iter().copied().filter(is_possible);
     // What has nothing to fit comes first.
     let fits = core::iter::once(None).chain(shapes.map(Some));
     let fits = fits.map(|shape| {
