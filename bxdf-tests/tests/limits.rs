@@ -56,6 +56,7 @@ in_both_precisions! {
     parameters_out_of_range_are_refused_by_name_value_and_range
     a_transmitting_base_is_refused
     a_base_that_returns_more_than_it_receives_does_not_make_a_layer_negative
+    a_base_with_peaks_is_picked_often_enough_at_grazing_incidence
 }
 
 fn direction<F: Real>(polar_deg: f64) -> F::Vec3 {
@@ -772,6 +773,25 @@ fn a_base_that_returns_more_than_it_receives_does_not_make_a_layer_negative<F: R
                 let (f, pdf) = (layer.eval(wo, wi, Radiance)[0], layer.pdf(wo, wi, Radiance));
                 assert!(f >= F::ZERO && pdf >= F::ZERO, "η = {eta}: f = {f}, pdf = {pdf}");
             }
+        }
+    }
+}
+
+/// The share of the base is tabulated over the cosine; between the tangent plane and the first point it bends.
+fn a_base_with_peaks_is_picked_often_enough_at_grazing_incidence<F: Real>() {
+    let bases: [Arc<dyn Bxdf<F>>; 2] = [
+        Arc::new(SpecularReflection::new(white())),
+        Arc::new(MicrofacetReflection::new(rough(0.01), white::<F>())),
+    ];
+    for (eta, base) in [1.5, 10.0, 1e3].into_iter().flat_map(|eta| bases.iter().map(move |base| (eta, base)))
+    {
+        let roughness = Some(rough::<F>(0.3));
+        let coat = Coat { eta: F::from_f64(eta), thickness: F::ZERO, sigma_a: Rgb::BLACK, roughness };
+        let layer = RefractiveLayer::new(coat, Arc::clone(base)).unwrap();
+        for mu in [1e-12, 1e-6, 1e-4, 1e-3, 1e-2] {
+            let wo = F::Vec3::from_f64([-(1.0 - mu * mu).sqrt(), 0.0, mu]);
+            let Some(scatter) = layer.sample(wo, F::ZERO, [F::HALF; 2], Radiance) else { continue };
+            assert!(scatter.weight[0].to_f64() <= 10.0, "η = {eta}, μ = {mu}: {:?}", scatter.weight);
         }
     }
 }

@@ -46,8 +46,8 @@ fn every_term_has_a_stable_form_first_and_regions_in_both_precisions() {
     }
 }
 
-/// Three ulps in single precision: of a formula with a dozen operations, a smaller error at one point is luck.
-const LUCK: f64 = 3.0 * f32::EPSILON as f64;
+/// Inputs from the printed one on: where rounding has no luck at that one, the median over these is the error of the form.
+const NEIGHBOURS: i32 = 101;
 
 /// Relative errors at single inputs, as an analysis with another implementation found them: of the form in use at most
 /// so much, of textbook forms about so much.
@@ -110,24 +110,30 @@ fn errors_in_single_precision_have_the_expected_sizes() {
     let mut unexpected = Vec::new();
     for (name, inputs, stable, control, naive) in rows {
         let term = terms.iter().find(|term| term.name == name).unwrap();
-        let inputs: Vec<f64> = inputs.into_iter().map(|x| f64::from(x as f32)).collect();
-        let relative = |form: &Form| {
+        let relative = |form: &Form, ulps: i32| {
+            let shifted = |x: &f64| f64::from(*x as f32 * (1.0 + ulps as f32 * f32::EPSILON));
+            let inputs: Vec<f64> = inputs.iter().map(shifted).collect();
             let witness = term.at(form, Precision::F32, &inputs).unwrap();
             ((witness.computed - witness.exact) / witness.exact).abs()
         };
         let control = term.forms.iter().find(|form| form.name == control).unwrap();
-        let [in_use, textbook] = [&term.forms[0], control].map(relative);
+        let [in_use, textbook] = [&term.forms[0], control].map(|form| relative(form, 0));
+        let mut around: Vec<f64> = (0..NEIGHBOURS).map(|ulps| relative(&term.forms[0], ulps)).collect();
+        around.sort_by(f64::total_cmp);
+        let median = around[around.len() / 2];
         let row = format!(
-            "{name:34} {in_use:7.1e} (expected {stable:.0e}), {textbook:7.1e} ({naive:.0e}) {}",
+            "{name:34} {in_use:7.1e}, around it {median:7.1e} (expected {stable:.0e}), {textbook:7.1e} ({naive:.0e}) {}",
             control.name
         );
         println!("{row}");
+        // The exact value itself is rounded by up to half an ulp.
+        let at_most = stable.max(0.5 * f64::from(f32::EPSILON));
         let is_as_bad = if naive.is_finite() {
             (naive / 6.0..naive * 6.0).contains(&textbook)
         } else {
             textbook == naive
         };
-        if in_use > stable.max(LUCK) || !is_as_bad {
+        if in_use.min(median) > at_most || !is_as_bad {
             unexpected.push(row);
         }
     }

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use crate::bxdf::{Bxdf, BxdfSample, LobeFlags, Pdf, TransportMode};
 use crate::frame::{is_above, mirror};
-use crate::fresnel::dielectric;
+use crate::fresnel::{DielectricBoundary, dielectric};
 use crate::lobe::MicrofacetDielectric;
 use crate::lobe::microfacet_dielectric::SingleScattering;
 use crate::microfacet::Distribution;
@@ -136,9 +136,8 @@ impl<F: Real> RefractiveLayer<F> {
         let base = Arc::clone(&self.base);
         self.moments = Table::new(|mu| {
             // The limit of grazing incidence, not the tangent plane itself.
-            let mu = mu.max(1e-9);
-            let cosine = ((eta - 1.0) * (eta + 1.0) + mu * mu).sqrt() / eta;
-            let Moments { returned: k, escaped: s, peaked } = inside.moments(&*base, cosine);
+            let wo = inside.node_below(mu.max(1e-9));
+            let Moments { returned: k, escaped: s, peaked } = inside.moments(&*base, &wo);
             [k[0], k[1], k[2], s[0], s[1], s[2], peaked].map(F::from_f64)
         });
         let [k, s] = inside.mean_moments(&*base);
@@ -204,7 +203,11 @@ impl<F: Real> RefractiveLayer<F> {
         let [k0, k1, k2, s0, s1, s2, peaked] = self.moments.at(wo.z());
         let direct = Rgb([s0, s1, s2]).luminance();
         let total = direct + (Rgb([k0, k1, k2]) * self.escape).luminance();
-        if total > F::ZERO { peaked * direct / total } else { F::ZERO }
+        if total > F::ZERO && peaked > F::ZERO {
+            (peaked * direct / total).max(F::from_f64(LEAST_SHARE))
+        } else {
+            F::ZERO
+        }
     }
 
     /// A delta of the base, seen through the layer.
@@ -335,6 +338,9 @@ struct Node {
 /// Density over that of a diffuser up to which a base is wide enough for the nodes and for sampling the cosine; what is
 /// above is left to the base's own sampler.
 const WIDE: f64 = 2.0;
+/// The least probability of sampling a base with peaks: the table that tells their share is linear between directions, they
+/// are not, and a weight is at most the base's own over this.
+const LEAST_SHARE: f64 = 0.1;
 /// Azimuths of the given direction, over which anisotropic bases are averaged.
 const AZIMUTHS: usize = 4;
 /// Azimuths around a node, per azimuth of the given direction; the sets interleave.
@@ -366,12 +372,24 @@ impl Inside {
         nodes.map(|[mu, weight]| self.node(mu, weight)).collect()
     }
 
+    /// The direction of the given cosine inside the layer.
     fn node(&self, cosine: f64, weight: f64) -> Node {
         let boundary = dielectric(cosine, 1.0 / self.eta);
+        self.node_through(&boundary, cosine, boundary.cos_theta_t, weight)
+    }
+
+    /// The refracted direction of the given cosine above the layer: near grazing incidence its own cosine does not tell
+    /// where it came from.
+    fn node_below(&self, cos_theta: f64) -> Node {
+        let boundary = dielectric(cos_theta, self.eta);
+        self.node_through(&boundary, boundary.cos_theta_t, cos_theta, 1.0)
+    }
+
+    fn node_through(&self, boundary: &DielectricBoundary<f64>, cosine: f64, above: f64, weight: f64) -> Node {
         let (reflectance, transmittance) = match &self.rough {
             // The same T from either side, as `eval` has it; nothing beyond the critical angle.
-            Some(table) if boundary.cos_theta_t > 0.0 => {
-                let transmittance = table.at(boundary.cos_theta_t)[0];
+            Some(table) if above > 0.0 => {
+                let transmittance = table.at(above)[0];
                 (1.0 - transmittance, transmittance)
             }
             _ => (boundary.reflectance.unpolarized(), boundary.transmittance.unpolarized()),
@@ -381,16 +399,16 @@ impl Inside {
         Node { cosine, weight, reflectance, returned, escaped }
     }
 
-    /// K and S of the base for a direction of the given cosine inside the layer, averaged over its azimuth.
+    /// K and S of the base for a direction inside the layer, averaged over its azimuth.
     ///
     /// A partition of unity in the base's own density splits its integral: where that is wide the nodes take it, where
     /// it is peaked the base's sampler does, over a low-discrepancy sequence.
-    fn moments<F: Real>(&self, base: &dyn Bxdf<F>, cosine: f64) -> Moments {
+    fn moments<F: Real>(&self, base: &dyn Bxdf<F>, there: &Node) -> Moments {
         let mode = TransportMode::Radiance;
         let (mut wide, mut peaked) = (Moments::default(), Moments::default());
         for k in 0..AZIMUTHS {
             let turn = k as f64 / AZIMUTHS as f64;
-            let wo = F::Vec3::from_f64(direction(cosine, 0.5 * turn));
+            let wo = F::Vec3::from_f64(direction(there.cosine, 0.5 * turn));
             for node in &self.nodes {
                 let measure = node.weight * node.cosine * core::f64::consts::TAU / (AZIMUTHS * RING) as f64;
                 for j in 0..RING {
@@ -408,8 +426,12 @@ impl Inside {
                     Pdf::SolidAngle(density) => peakedness(density, scatter.wi.z()),
                 };
                 if part > 0.0 && is_above::<F>(scatter.wi) {
-                    let node = self.node(scatter.wi.z().to_f64(), 1.0);
-                    peaked.add(&node, scatter.weight, part / (AZIMUTHS * SAMPLES) as f64);
+                    let measure = part / (AZIMUTHS * SAMPLES) as f64;
+                    if scatter.wi == mirror::<F>(wo) {
+                        peaked.add(there, scatter.weight, measure);
+                    } else {
+                        peaked.add(&self.node(scatter.wi.z().to_f64(), 1.0), scatter.weight, measure);
+                    }
                 }
             }
         }
@@ -427,7 +449,7 @@ impl Inside {
     fn mean_moments<F: Real>(&self, base: &dyn Bxdf<F>) -> [[f64; 3]; 2] {
         let mut sums = [[0.0; 3]; 3];
         for node in &self.coarse {
-            let moments = self.moments(base, node.cosine);
+            let moments = self.moments(base, node);
             for channel in 0..3 {
                 let transmitted = libm::exp(-self.tau[channel] / node.cosine);
                 let flux = node.weight * node.cosine * node.reflectance * transmitted;
