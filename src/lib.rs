@@ -12,7 +12,7 @@
 //! |---|---|
 //! | 5 | [`record`], [`report`] |
 //! | 4 | [`specimen`], [`planted`], [`stability`]; `bxdf_tests` is named from here up only |
-//! | 3 | [`material`] |
+//! | 3 | [`material`], [`render`]; only the latter knows world space |
 //! | 2 | [`bxdf`], [`lobe`], [`stack`] |
 //! | 1 | [`fresnel`], [`microfacet`], [`ior`] |
 //! | 0 | [`real`], [`frame`], [`warp`], [`rgb`], [`special`], [`parameter`], [`message`], `quadrature`, `table` |
@@ -47,6 +47,7 @@ pub mod planted;
 mod quadrature;
 pub mod real;
 pub mod record;
+pub mod render;
 pub mod report;
 pub mod rgb;
 pub mod special;

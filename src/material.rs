@@ -328,6 +328,11 @@ impl<F: Real> Material<F> {
         self.build.is_isotropic
     }
 
+    /// `true` if light that enters goes on inside, until it meets the surface again.
+    pub fn has_inside(&self) -> bool {
+        self.description.model() == Model::Glass
+    }
+
     /// What is left of light, per channel, after a straight way of the given `length` ≥ 0 below the surface
     /// (`inside`) or above it: e^{−σ length}. Only glass absorbs on the way; a coat and a thin sheet absorb
     /// in their lobes.
