@@ -36,8 +36,34 @@ fn main() -> Result<(), Box<dyn Error>> {
         writeln!(code, "    [{}, {}],", observer.join(", "), illuminant[1..].join(", "))?;
     }
     code.push_str("];\n");
-    fs::write(Path::new(&env::var("OUT_DIR")?).join("reference_data.rs"), code)?;
+    let out = env::var("OUT_DIR")?;
+    fs::write(Path::new(&out).join("reference_data.rs"), code)?;
+    fs::write(Path::new(&out).join("scenes.rs"), scenes(&root.join("scenes"))?)?;
     Ok(())
+}
+
+/// The scenes of a folder; the first line of each says what it shows.
+fn scenes(folder: &Path) -> Result<String, Box<dyn Error>> {
+    let mut code =
+        String::from("/// Every scene that comes with gonio.\npub const BUILTIN: &[Builtin] = &[\n");
+    let mut files: Vec<_> = fs::read_dir(folder)?.collect::<Result<_, _>>()?;
+    files.sort_by_key(|entry| entry.file_name());
+    for file in files {
+        let path = file.path();
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let text = fs::read_to_string(&path)?;
+        let summary = text
+            .lines()
+            .next()
+            .and_then(|line| line.strip_prefix("# "))
+            .ok_or("a scene says what it shows")?;
+        writeln!(
+            code,
+            "    Builtin {{ name: {name:?}, summary: {summary:?}, text: include_str!({path:?}) }},"
+        )?;
+    }
+    code.push_str("];\n");
+    Ok(code)
 }
 
 /// The cells of a CSV file without its header, as literals of Rust.

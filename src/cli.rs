@@ -13,6 +13,7 @@ mod merge;
 mod output;
 mod plot;
 mod progress;
+mod render;
 mod replay;
 mod report;
 mod self_check;
@@ -63,6 +64,8 @@ enum Verb {
     Schema,
     /// Puts the parts of a run together
     Merge(merge::Options),
+    /// Pictures of scenes: verification spheres, the thesis's scenes, your own
+    Render(render::Options),
     /// Runs a saved violation again
     Replay(replay::Options),
     /// Draws one figure and writes its numbers beside it
@@ -151,6 +154,7 @@ gonio verifies materials and BxDFs.
   gonio verify --shard 1/4 --output json=1.json   a quarter of the run;  gonio merge *.json  makes it whole
   gonio verify planted/density_without_the_jacobian   what a violation says
   gonio replay FILE                       runs a violation that was saved in gonio-regressions/ again
+  gonio render furnace                    spheres that vanish in uniform light;  --scenes  lists all scenes
   gonio plot fresnel                      the thesis's Figure 5 as fresnel.svg and fresnel.csv
   gonio plot fresnel gold/Johnson-1972    the same for data sets or CSV files of your choice
   gonio ior list                          measured optical constants
@@ -196,6 +200,7 @@ fn run_verb(verb: Verb, general: &General) -> Result<ExitCode, Failure> {
             Ok(ExitCode::SUCCESS)
         }
         Verb::Merge(options) => merge::run(&options),
+        Verb::Render(options) => render::run(&options, general),
         Verb::Replay(options) => replay::run(&options),
         Verb::Plot(kind) => plot::run(&kind),
         Verb::Ior(verb) => ior::run(&verb),

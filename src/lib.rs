@@ -15,7 +15,7 @@
 //! | 3 | [`material`], [`render`]; only the latter knows world space |
 //! | 2 | [`bxdf`], [`lobe`], [`stack`] |
 //! | 1 | [`fresnel`], [`microfacet`], [`ior`] |
-//! | 0 | [`real`], [`frame`], [`warp`], [`rgb`], [`special`], [`parameter`], [`message`], `quadrature`, `table` |
+//! | 0 | [`real`], [`frame`], [`warp`], [`rgb`], [`special`], [`parameter`], [`message`], [`mod@file`], `quadrature`, `table` |
 //!
 //! # Conventions
 //! The frame is local: the normal is +z. `wo` is given, `wi` is sampled; both have unit length and leave the
@@ -35,6 +35,7 @@
 //! ```
 
 pub mod bxdf;
+pub mod file;
 pub mod frame;
 pub mod fresnel;
 pub mod ior;

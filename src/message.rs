@@ -79,6 +79,7 @@ codes! {
     "G111" Unreadable Error "a file that cannot be read"
     "G112" AmbiguousDataSet Error "a substance with several data sets"
     "G113" NeedlessAllowance Warning "an allowance that nothing needs"
+    "G114" MeshRemark Warning "a mesh that is not all that its file says"
     "G201" AlbedoAboveOne Warning "more light leaves than arrives"
     "G202" ReflectanceAboveOne Error "a share of light above 1"
     "G203" NotAMetal Warning "a metal without extinction"

@@ -9,10 +9,14 @@
 
 mod camera;
 mod film;
+pub mod generated;
+pub mod image;
 mod light;
 mod mesh;
+pub mod mesh_file;
 mod path;
 mod scene;
+pub mod scene_file;
 mod shape;
 
 use std::sync::atomic::{AtomicBool, Ordering};

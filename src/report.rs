@@ -9,13 +9,13 @@ mod figure;
 mod page;
 
 use std::fs;
-use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 use bxdf_tests::{Plan, Specimen, Suite, Verdict};
 use serde::Serialize;
 
+use crate::file::{WriteError, write};
 use crate::ior::{IorError, Table, builtin};
 use crate::planted::{SelfCheck, Suites};
 use crate::record::RunRecord;
@@ -62,13 +62,8 @@ pub enum ReportError {
     #[error("cannot write verdicts as JSON: {0}")]
     Json(#[from] serde_json::Error),
     /// A file cannot be written.
-    #[error("cannot write {path}: {error}", path = .path.display())]
-    Write {
-        /// The file or folder.
-        path: PathBuf,
-        /// What the system says.
-        error: io::Error,
-    },
+    #[error(transparent)]
+    Write(#[from] WriteError),
 }
 
 /// `planted.json`.
@@ -136,52 +131,15 @@ impl Report {
 
     /// Writes every file into `folder`, which is made if need be.
     pub fn write(&self, folder: &Path) -> Result<(), ReportError> {
-        fs::create_dir_all(folder).map_err(|error| ReportError::Write { path: folder.to_owned(), error })?;
-        self.files.iter().try_for_each(|(name, contents)| write_file(&folder.join(name), contents))
+        fs::create_dir_all(folder).map_err(|error| WriteError::new(folder, &error))?;
+        for (name, contents) in &self.files {
+            write(&folder.join(name), contents.as_bytes())?;
+        }
+        Ok(())
     }
 
     /// Compares with the report in `folder`: structure exactly, numbers within a tolerance.
     pub fn compare(&self, folder: &Path) -> Vec<Difference> {
         self.files.iter().filter_map(|(name, contents)| compare::file(&folder.join(name), contents)).collect()
-    }
-}
-
-/// Writes a file under a temporary name beside it, then renames it.
-pub fn write_file(path: &Path, contents: &str) -> Result<(), ReportError> {
-    let failed = |error| ReportError::Write { path: path.to_owned(), error };
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::Builder::new().prefix(".gonio-").tempfile_in(folder).map_err(failed)?;
-    file.write_all(contents.as_bytes()).map_err(failed)?;
-    make_readable(file.as_file()).map_err(failed)?;
-    file.persist(path).map_err(|error| failed(error.error))?;
-    Ok(())
-}
-
-/// Temporary files are private to their owner; a report is for everyone.
-fn make_readable(file: &fs::File) -> io::Result<()> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        file.set_permissions(fs::Permissions::from_mode(0o644))?;
-    }
-    let _ = file;
-    Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn files_are_replaced_whole_or_not_at_all() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.txt");
-        write_file(&path, "one").unwrap();
-        write_file(&path, "two").unwrap();
-        assert_eq!(fs::read_to_string(&path).unwrap(), "two");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-        let error = write_file(&path.join("b.txt"), "three").unwrap_err().to_string();
-        assert!(error.contains("b.txt"), "{error}");
-        assert_eq!(fs::read_to_string(&path).unwrap(), "two");
     }
 }

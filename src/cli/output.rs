@@ -9,10 +9,10 @@ use std::time::Duration;
 
 use bxdf_tests::{Outcome, failure_report};
 use clap::ValueEnum;
+use gonio::file::write;
 use gonio::ior::import::Message;
 use gonio::message::Code;
 use gonio::record::RunRecord;
-use gonio::report::write_file;
 
 use super::{Failure, print};
 
@@ -72,7 +72,7 @@ impl Outputs {
             })
         };
         for Output { form, path } in &self.outputs {
-            write_file(path, &text(*form)?)?;
+            write(path, text(*form)?.as_bytes())?;
         }
         print(&text(self.format)?)
     }
@@ -85,7 +85,7 @@ pub(crate) fn write_new(path: &Path, text: &str, overwrite: bool) -> Result<bool
         let old = fs::read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
         return Ok(old == text.as_bytes());
     }
-    write_file(path, text)?;
+    write(path, text.as_bytes())?;
     Ok(true)
 }
 

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use gonio::file::write;
 use gonio::ior::{Table, load};
-use gonio::report::{FIGURE_5, FresnelFigure, SODIUM_D_NM, write_file};
+use gonio::report::{FIGURE_5, FresnelFigure, SODIUM_D_NM};
 
 use super::{Failure, print};
 
@@ -44,8 +45,8 @@ pub(crate) fn run(Kind::Fresnel(options): &Kind) -> Result<ExitCode, Failure> {
     }
     let tables: Vec<Table> = names.into_iter().map(load).collect::<Result<_, _>>()?;
     let figure = FresnelFigure::new(&tables, options.wavelength_nm)?;
-    write_file(&options.output, &figure.svg()?)?;
-    write_file(&csv, &figure.csv()?)?;
+    write(&options.output, figure.svg()?.as_bytes())?;
+    write(&csv, figure.csv()?.as_bytes())?;
     print(&format!("{}\n{}\n{}\n", options.output.display(), csv.display(), figure.caption()))?;
     Ok(ExitCode::SUCCESS)
 }

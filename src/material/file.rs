@@ -19,7 +19,7 @@
 mod colour;
 mod read;
 mod schema;
-mod syntax;
+pub(crate) mod syntax;
 mod write;
 
 use std::collections::BTreeMap;
@@ -33,6 +33,7 @@ use crate::message::{Code, Finding, Severity};
 
 use read::of_problem;
 pub use read::read;
+pub(crate) use read::read_beside;
 pub use schema::schema;
 
 /// The version that is read and written.

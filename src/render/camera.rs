@@ -9,6 +9,10 @@ use crate::parameter::{OutOfRange, require};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     position: Vec3,
+    /// Unit vectors: where it looks, right and down.
+    axes: [Vec3; 3],
+    /// Half the width of the picture at distance 1.
+    half_width: f32,
     /// To the left upper corner of the picture.
     corner: Vec3,
     /// One pixel to the right and one down.
@@ -35,15 +39,31 @@ impl Camera {
         require("up", across.length(), |x| x > 0.0 && x.is_finite(), "not along the direction of view")?;
         let is_angle = |angle: f32| angle > 0.0 && angle < core::f32::consts::PI;
         require("field of view", field_of_view, is_angle, "an angle in (0, π)")?;
+        let right = across.normalize();
+        Self {
+            position,
+            axes: [forward, right, forward.cross(right)],
+            half_width: libm::tanf(0.5 * field_of_view),
+            corner: forward,
+            steps: [Vec3::ZERO; 2],
+            size,
+        }
+        .with_size(size)
+    }
+
+    /// The same view in so many pixels, which are square: another ratio shows more or less above and below.
+    ///
+    /// # Errors
+    /// If the size is not in 1 to 65,536 pixels.
+    pub fn with_size(self, size: [usize; 2]) -> Result<Self, OutOfRange> {
         for pixels in size {
             require("size", pixels as f32, |_| (1..=65_536).contains(&pixels), "1 to 65536 pixels")?;
         }
-        let right = across.normalize();
-        let down = forward.cross(right);
+        let [forward, right, down] = self.axes;
         let [width, height] = size.map(|pixels| pixels as f32);
-        let step = 2.0 * libm::tanf(0.5 * field_of_view) / width;
+        let step = 2.0 * self.half_width / width;
         let corner = forward - right * (0.5 * width * step) - down * (0.5 * height * step);
-        Ok(Self { position, corner, steps: [right * step, down * step], size })
+        Ok(Self { corner, steps: [right * step, down * step], size, ..self })
     }
 
     /// Width and height in pixels.

@@ -2,6 +2,7 @@
 
 use crate::rgb::Rgb;
 
+use super::image::{ImageError, Layers, Picture};
 use super::path::Found;
 
 /// Sums over the samples of one pixel.
@@ -185,5 +186,27 @@ impl Pixel {
             self.indirect[channel] += indirect[channel];
             self.squares[channel] += sum * sum;
         }
+    }
+}
+
+impl Layers {
+    /// The layers of a film.
+    ///
+    /// # Errors
+    /// If it is larger than a picture may be.
+    pub fn of(film: &Film) -> Result<Self, ImageError> {
+        let [width, height] = film.size.map(|pixels| pixels as u32);
+        let single =
+            |values: Vec<[f64; 3]>| values.into_iter().map(|value| value.map(|x| x as f32)).collect();
+        let picture = |pixels| Picture::new(width, height, pixels);
+        Ok(Self {
+            color: picture(single(film.radiance()))?,
+            direct: picture(single(film.direct()))?,
+            indirect: picture(single(film.indirect()))?,
+            albedo: picture(film.albedo())?,
+            normal: picture(film.normal())?,
+            variance: picture(single(film.variance()))?,
+            samples: vec![film.samples as f32; film.pixels.len()],
+        })
     }
 }

@@ -202,12 +202,14 @@ pub(super) fn trace(scene: &Scene, settings: &Settings, ray: Ray, generator: &mu
         medium = beyond(is_inside);
         ray = surface.leave(wi);
         if bounce >= settings.roulette_from {
-            let carries = throughput.0.into_iter().fold(0.0, f32::max) * squeezed;
-            let survives = carries.min(0.95);
-            if generator.random::<f32>() >= survives {
-                break;
+            // A path that has lost nothing goes on.
+            let survives = throughput.0.into_iter().fold(0.0, f32::max) * squeezed;
+            if survives < 1.0 {
+                if generator.random::<f32>() >= survives {
+                    break;
+                }
+                throughput = throughput / survives;
             }
-            throughput = throughput / survives;
         } else if throughput == Rgb::BLACK {
             break;
         }

@@ -159,6 +159,15 @@ impl Scene {
         Self { medium: (material < self.materials.len()).then_some(medium), ..self }
     }
 
+    /// The same objects in uniform light of radiance 1 and no other: what loses nothing cannot be seen.
+    #[must_use]
+    pub fn in_furnace(mut self) -> Self {
+        self.lights.clear();
+        self.objects.iter_mut().for_each(|object| object.emission = Rgb::BLACK);
+        self.surroundings = Surroundings { radiance: Rgb::WHITE, background: None };
+        self
+    }
+
     /// Its objects.
     pub fn objects(&self) -> &[Object] {
         &self.objects

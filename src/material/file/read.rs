@@ -41,18 +41,31 @@ const UNITS: [(&str, Option<f64>); 8] = [
 /// What a file says, and everything that is wrong with it; a material with errors is left out. Paths of data sets
 /// are relative to `folder`.
 pub fn read(text: &str, syntax: Syntax, folder: &Path) -> (Document, Vec<Finding>) {
-    let (root, findings) = syntax::parse(text, syntax);
-    let broken = syntax::broken(text, syntax, &findings);
-    let (undeclared, refusals) = ([false; 2], 0);
-    let mut reader = Reader { folder, broken, findings, colour: None, roughness: None, undeclared, refusals };
-    let document = reader.document(&root);
-    let mut findings = reader.findings;
+    let (document, _, mut findings) = read_beside(&[], text, syntax, folder);
     findings.sort_by_key(|finding| finding.span.as_ref().map_or(0, |span| span.start));
     (document, findings)
 }
 
+/// The same of a file in which tables of other names stand beside those of materials, and its tree.
+pub(crate) fn read_beside(
+    others: &[&'static str],
+    text: &str,
+    syntax: Syntax,
+    folder: &Path,
+) -> (Document, Node, Vec<Finding>) {
+    let (root, findings) = syntax::parse(text, syntax);
+    let broken = syntax::broken(text, syntax, &findings);
+    let (undeclared, refusals) = ([false; 2], 0);
+    let mut reader =
+        Reader { folder, others, broken, findings, colour: None, roughness: None, undeclared, refusals };
+    let document = reader.document(&root);
+    (document, root, reader.findings)
+}
+
 struct Reader<'a> {
     folder: &'a Path,
+    /// Tables and keys that are somebody else's.
+    others: &'a [&'static str],
     /// Parts of the file that are not judged: their syntax is wrong already.
     broken: Vec<Range<usize>>,
     findings: Vec<Finding>,
@@ -133,11 +146,14 @@ impl Reader<'_> {
                     self.report(finding.help("[material.NAME] begins a material"));
                 }
                 _ if self.is_broken(&entry.span) => {}
+                (key, _) if self.others.contains(&key) => {}
                 (key, _) => {
-                    let hint = did_you_mean(key, ["gonio", "material"].into_iter());
+                    let known = ["gonio", "material"].into_iter().chain(self.others.iter().copied());
+                    let hint = did_you_mean(key, known);
                     let text = format!("unknown table or key `{key}`{hint}");
                     let finding = Finding::at(Code::UnknownKey, entry.span.clone(), text);
-                    self.report(finding.help("a file has [gonio] and [material.NAME]"));
+                    let others: String = self.others.iter().map(|other| format!(", {other}")).collect();
+                    self.report(finding.help(format!("a file has [gonio] and [material.NAME]{others}")));
                 }
             }
         }

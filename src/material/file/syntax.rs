@@ -16,14 +16,14 @@ const DEEPEST: usize = 32;
 
 /// A part of a file with the bytes that it takes.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Node {
-    pub(super) content: Content,
-    pub(super) span: Range<usize>,
+pub(crate) struct Node {
+    pub(crate) content: Content,
+    pub(crate) span: Range<usize>,
 }
 
 /// What stands there.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Content {
+pub(crate) enum Content {
     Table(Vec<Entry>),
     List(Vec<Node>),
     Number(f64),
@@ -34,16 +34,16 @@ pub(super) enum Content {
 
 /// A key with its value.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Entry {
-    pub(super) key: String,
+pub(crate) struct Entry {
+    pub(crate) key: String,
     /// The bytes of the key.
-    pub(super) span: Range<usize>,
-    pub(super) value: Node,
+    pub(crate) span: Range<usize>,
+    pub(crate) value: Node,
 }
 
 impl Node {
     /// What it is, in words.
-    pub(super) fn kind(&self) -> &'static str {
+    pub(crate) fn kind(&self) -> &'static str {
         match self.content {
             Content::Table(_) => "a table",
             Content::List(_) => "a list",
@@ -54,7 +54,7 @@ impl Node {
     }
 
     /// Its entries, if it is a table.
-    pub(super) fn table(&self) -> Option<&[Entry]> {
+    pub(crate) fn table(&self) -> Option<&[Entry]> {
         if let Content::Table(entries) = &self.content { Some(entries) } else { None }
     }
 }
