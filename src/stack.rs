@@ -79,6 +79,11 @@ impl<F: Real> Stack<F> {
     /// The probability p_k of picking each component, given `wo`; 0 past the last.
     pub fn probabilities(&self, wo: F::Vec3) -> [F; MOST_COMPONENTS] {
         let mut probabilities = [F::ZERO; MOST_COMPONENTS];
+        if self.components.len() == 1 {
+            // Albedos are costly, and nothing depends on this one.
+            probabilities[0] = F::ONE;
+            return probabilities;
+        }
         for (probability, component) in probabilities.iter_mut().zip(&self.components) {
             *probability = component.albedo(wo).luminance();
         }
