@@ -79,7 +79,6 @@ codes! {
     "G111" Unreadable Error "a file that cannot be read"
     "G112" AmbiguousDataSet Error "a substance with several data sets"
     "G113" NeedlessAllowance Warning "an allowance that nothing needs"
-    "G114" MeshRemark Warning "a mesh that is not all that its file says"
     "G201" AlbedoAboveOne Warning "more light leaves than arrives"
     "G202" ReflectanceAboveOne Error "a share of light above 1"
     "G203" NotAMetal Warning "a metal without extinction"
@@ -105,6 +104,7 @@ codes! {
     "G412" NotConstant Error "an input that no constant is"
     "G413" Meaningless Error "a value that means nothing here"
     "G414" NoEqual Error "a material without an equal"
+    "G421" MeshRemark Warning "a mesh that is not all that its file says"
 }
 
 impl Code {

@@ -196,7 +196,16 @@ fn what_cannot_be_read_or_written_is_said_and_nothing_is_overwritten() {
     fs::write(at("hole.toml"), format!("{HEAD}{LIGHT}{mesh}")).unwrap();
     let warned = run(&["hole.toml", "--spp", "1"]);
     assert!(warned.status.success(), "{warned:?}");
-    assert!(text(&warned.stderr).contains("G114"), "{warned:?}");
+    assert!(text(&warned.stderr).contains("G421"), "{warned:?}");
+    fs::write(at("two.mtl"), "newmtl red\nKd 0.5 0.1 0.1\nillum 1\n").unwrap();
+    let two =
+        "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl red\nf 1 2 3\nusemtl blue\nf 1 3 4\n";
+    fs::write(at("two.obj"), two).unwrap();
+    fs::write(at("two.toml"), format!("{HEAD}{LIGHT}{}", mesh.replace("hole", "two"))).unwrap();
+    let parts = run(&["two.toml", "--spp", "1"]);
+    assert!(parts.status.success(), "{parts:?}");
+    let said = text(&parts.stderr);
+    assert!(said.contains("\"blue\" has no material") && !said.contains("\"red\" has no"), "{parts:?}");
     fs::write(at("bad.obj"), "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 7\n").unwrap();
     fs::write(at("bad.toml"), format!("{HEAD}{LIGHT}{}", mesh.replace("hole", "bad"))).unwrap();
     let bad = run(&["bad.toml"]);

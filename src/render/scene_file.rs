@@ -26,6 +26,9 @@
 //! intensity = 40
 //! ```
 //!
+//! The parts of a mesh, as an OBJ names them by `usemtl`, wear `materials.PART`, else `material`, else what the `.mtl` file
+//! of the OBJ says as far as [`crate::material::foreign`] understands it.
+//!
 //! Light is linear with primaries of Rec. 709, whatever `color` says of materials. Everything that is wrong is reported
 //! at once, each with the bytes it is about.
 
@@ -40,8 +43,9 @@ use super::scene::{Object, Scene, Surroundings};
 use super::shape::{Quad, Shape, Sphere};
 use super::{Camera, Light, Mesh, Settings, Triangles};
 use crate::material::file::syntax::{Content, Entry, Node};
-use crate::material::file::{Document, Syntax, read_beside};
-use crate::material::{Material, PRESETS, preset};
+use crate::material::file::{Document, Syntax, read_beside, text_of};
+use crate::material::foreign::mtl;
+use crate::material::{Description, Material, PRESETS, preset};
 use crate::message::{Code, Finding, Severity};
 use crate::parameter::did_you_mean;
 use crate::rgb::Rgb;
@@ -427,6 +431,13 @@ impl Reader<'_> {
             self.findings.push(finding.help("[material.NAME] makes one; `gonio list` shows the presets"));
             return None;
         };
+        self.made_material(name, description, span)
+    }
+
+    fn made_material(&mut self, name: &str, description: Description, span: &Range<usize>) -> Option<usize> {
+        if let Some(index) = self.names.iter().position(|known| known == name) {
+            return Some(index);
+        }
         match description.material() {
             Ok(material) => {
                 self.materials.push(material);
@@ -463,8 +474,9 @@ impl Reader<'_> {
             );
             return;
         }
+        let mut imported = Vec::new();
         let parts = match (file, name) {
-            (Some(file), None) => self.parts_of_file(keys, &file),
+            (Some(file), None) => self.parts_of_file(keys, &file, &mut imported),
             (None, Some(name)) => {
                 let parts = generated::Shape::from_name(&name).and_then(|shape| shape.build(resolution));
                 let named = |part: generated::Part| (Some(part.name.to_owned()), part.mesh);
@@ -483,8 +495,17 @@ impl Reader<'_> {
         };
         let turn = Mat3::from_rotation_z(turn.to_radians());
         for (part, mut triangles) in parts.unwrap_or_default() {
-            let of_part =
-                groups.iter().find(|(name, _)| Some(name) == part.as_ref()).map(|&(_, index)| index);
+            let of_part = groups.iter().find(|(name, _)| Some(name) == part.as_ref());
+            let of_part = of_part.map(|&(_, index)| index).or(material).or_else(|| {
+                let (name, description) = imported.iter().find(|(name, _)| Some(name) == part.as_ref())?;
+                self.made_material(&format!("{name} of .mtl"), description.clone(), &keys.span)
+            });
+            if let (None, Some(part), true) = (of_part, &part, emission == Rgb::BLACK) {
+                let text = format!("part \"{part}\" has no material and is black");
+                let finding = Finding::at(Code::MeshRemark, keys.span.clone(), text);
+                let help = format!("materials.{part} = \"…\", or material = \"…\" for all parts");
+                self.findings.push(finding.help(help));
+            }
             for position in &mut triangles.positions {
                 *position = (turn * (Vec3::from(*position) * scale) + translation).to_array();
             }
@@ -494,7 +515,7 @@ impl Reader<'_> {
             let mesh = self.made(keys, Mesh::new(triangles));
             objects.extend(mesh.map(|mesh| {
                 let mesh = if emission == Rgb::BLACK { mesh } else { mesh.emitting() };
-                Object { shape: Box::new(mesh) as Box<dyn Shape>, material: of_part.or(material), emission }
+                Object { shape: Box::new(mesh) as Box<dyn Shape>, material: of_part, emission }
             }));
         }
     }
@@ -520,7 +541,13 @@ impl Reader<'_> {
         groups
     }
 
-    fn parts_of_file(&mut self, keys: &Keys<'_>, file: &str) -> Option<Vec<(Option<String>, Triangles)>> {
+    /// The parts of a mesh file; materials of its libraries go to `imported`.
+    fn parts_of_file(
+        &mut self,
+        keys: &Keys<'_>,
+        file: &str,
+        imported: &mut Vec<(String, Description)>,
+    ) -> Option<Vec<(Option<String>, Triangles)>> {
         let path = self.folder.join(file);
         self.files.push(path.clone());
         let (data, warnings) = match mesh_file::read(&path) {
@@ -530,12 +557,23 @@ impl Reader<'_> {
                 return None;
             }
         };
-        for warning in warnings {
-            self.findings.push(Finding::at(
-                Code::MeshRemark,
-                keys.span.clone(),
-                format!("{file}: {warning}"),
-            ));
+        let mut remark = |text: String| {
+            let text = format!("{file}: {text}");
+            self.findings.push(Finding::at(Code::MeshRemark, keys.span.clone(), text));
+        };
+        warnings.into_iter().for_each(&mut remark);
+        for library in &data.material_libraries {
+            let library = path.parent().unwrap_or(Path::new("")).join(library);
+            match text_of(&library) {
+                Ok(text) => {
+                    let (materials, findings) = mtl(&text);
+                    imported.extend(materials.into_iter().map(|found| (found.name, found.description)));
+                    let shown = library.display();
+                    findings.iter().for_each(|finding| remark(format!("{shown}: {}", finding.line())));
+                    self.files.push(library);
+                }
+                Err(finding) => remark(finding.text),
+            }
         }
         Some(data.parts())
     }
