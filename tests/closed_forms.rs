@@ -9,6 +9,7 @@
     reason = "a test that cannot be set up has failed"
 )]
 
+use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 
 use bxdf_tests::run_seed;
@@ -21,6 +22,7 @@ use gonio::render::{
 };
 use gonio::rgb::Rgb;
 use rand::RngExt as _;
+use rand::distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
@@ -28,6 +30,24 @@ use rayon::prelude::*;
 const FAMILY: f64 = 1e-6;
 /// More z-scores than the file looks at.
 const CHECKS: f64 = 1e4;
+
+/// The seed of the run, which `BXDF_TESTS_SEED` repeats.
+fn seed() -> u64 {
+    static SEED: OnceLock<u64> = OnceLock::new();
+    *SEED.get_or_init(|| {
+        let seed = run_seed();
+        println!("BXDF_TESTS_SEED={seed}");
+        seed
+    })
+}
+
+/// Random numbers of one sample.
+fn uniforms<T>(sample: u64) -> T
+where
+    StandardUniform: Distribution<T>,
+{
+    Pcg64Mcg::new(u128::from(seed()) << 64 | u128::from(2 * sample + 1)).random()
+}
 
 fn paths() -> u64 {
     std::env::var("GONIO_TESTS_PATHS").map_or(20_000, |text| text.parse().expect("a whole number"))
@@ -121,7 +141,7 @@ fn exactly(mean: f64) -> Estimate {
 }
 
 fn settings() -> Settings {
-    Settings { seed: run_seed(), ..Settings::default() }
+    Settings { seed: seed(), ..Settings::default() }
 }
 
 /// S1: of a convex body under uniform light each point shows its directional albedo.
@@ -140,8 +160,7 @@ fn a_convex_body_in_uniform_light_shows_its_albedo() {
                 f64::from(degrees).to_radians().cos(),
             );
             let albedo = Estimate::of(|i| {
-                let uniforms: [f64; 3] =
-                    Pcg64Mcg::new(u128::from(run_seed()) << 64 | u128::from(2 * i + 1)).random();
+                let uniforms: [f64; 3] = uniforms(i);
                 let sample =
                     double.sample(wo, uniforms[0], [uniforms[1], uniforms[2]], TransportMode::Radiance);
                 sample.map_or([0.0; 3], |sample| sample.weight.to_f64())
@@ -316,12 +335,8 @@ fn strategies_agree() {
                 let origin = Vec3::new(0.5, -6.0, 1.0);
                 let ray = Ray { origin, direction: (target - origin).normalize() };
                 let of = |strategy| {
-                    let settings = Settings {
-                        strategy,
-                        most_bounces: 4,
-                        seed: run_seed() ^ strategy as u64,
-                        ..settings()
-                    };
+                    let settings =
+                        Settings { strategy, most_bounces: 4, seed: seed() ^ strategy as u64, ..settings() };
                     Estimate::along(&scene, &settings, ray)[0]
                 };
                 let both = of(Strategy::Both);
@@ -399,36 +414,39 @@ fn radiance_inside_of_glass_is_squeezed() {
 /// S8: light from a lamp to a sensor, and importance from the sensor's place to the lamp's, are one number.
 #[test]
 fn radiance_and_importance_agree() {
-    let [near, far] = [
-        Quad::new(Vec3::new(-0.5, -0.5, -2.0), [Vec3::X, Vec3::Y]).unwrap(),
-        Quad::new(Vec3::new(-0.3, -0.6, 2.5), [Vec3::Y, Vec3::X]).unwrap(),
-    ];
+    // Corner and edges: below the sphere, above it, and inside of it, where radiance is squeezed and importance is not.
+    type Area = (Vec3, [Vec3; 2]);
+    let below: Area = (Vec3::new(-0.5, -0.5, -2.0), [Vec3::X, Vec3::Y]);
+    let above: Area = (Vec3::new(-0.3, -0.6, 2.5), [Vec3::Y, Vec3::X]);
+    let inside: Area = (Vec3::new(-0.3, -0.2, 0.1), [Vec3::Y * 0.6, Vec3::X * 0.6]);
     for material in
         [glass(&[]), glass(&[("alpha", 0.3.into())]), glass(&[("eta", 0.8.into()), ("alpha", 0.1.into())])]
     {
-        let measured = |from: Quad, corner: Vec3, edges: [Vec3; 2], to: Quad, transport| {
-            let target = Object { shape: Box::new(to), material: None, emission: Rgb::WHITE };
+        let measured = |(corner, edges): Area, to: Area, transport: TransportMode, starts_inside: bool| {
+            let quad = |(corner, edges): Area| Quad::new(corner, edges).unwrap();
+            let target = Object { shape: Box::new(quad(to)), material: None, emission: Rgb::WHITE };
             let objects = vec![object(unit_sphere()), target];
             let scene = Scene::new(objects, vec![material.clone()], vec![], Surroundings::default()).unwrap();
-            let settings = Settings { transport, seed: run_seed() ^ transport as u64, ..settings() };
+            let scene = if starts_inside { scene.seen_from_inside(0) } else { scene };
+            let settings = Settings { transport, seed: seed() ^ transport as u64, ..settings() };
             let normal = edges[0].cross(edges[1]).normalize();
-            assert!(from.area() > 0.0);
-            Estimate::of(|i| {
+            let estimate = Estimate::of(|i| {
                 // Cosine-distributed directions from points of the area: power over π and the area.
-                let u: [f32; 4] =
-                    Pcg64Mcg::new(u128::from(run_seed()) << 64 | u128::from(2 * i + 1)).random();
+                let u: [f32; 4] = uniforms(i);
                 let local = gonio::warp::cosine_hemisphere::<f32>([u[2], u[3]]);
                 let direction = gonio::warp::about::<f32>(normal, local);
                 let origin = corner + edges[0] * u[0] + edges[1] * u[1];
                 trace(&scene, &settings, Ray { origin, direction }, 1, i).to_f64()
-            })[0]
+            })[0];
+            let area = f64::from(quad((corner, edges)).area());
+            Estimate { mean: area * estimate.mean, deviation: area * estimate.deviation }
         };
-        let radiance =
-            measured(near, Vec3::new(-0.5, -0.5, -2.0), [Vec3::X, Vec3::Y], far, TransportMode::Radiance);
-        let importance =
-            measured(far, Vec3::new(-0.3, -0.6, 2.5), [Vec3::Y, Vec3::X], near, TransportMode::Importance);
-        assert!(radiance.mean > 1e-3);
-        importance.must_be(radiance, &format!("{:?}", material.description().given()));
+        for (name, other, is_inside) in [("above", above, false), ("inside", inside, true)] {
+            let radiance = measured(below, other, TransportMode::Radiance, false);
+            let importance = measured(other, below, TransportMode::Importance, is_inside);
+            assert!(radiance.mean > 1e-3, "{name}: {radiance:?}");
+            importance.must_be(radiance, &format!("{name}, {:?}", material.description().given()));
+        }
     }
 }
 
