@@ -209,12 +209,16 @@ fn one(
     let limit = options.time.map(Duration::from_secs_f64);
     loop {
         let left = wanted.saturating_sub(film.samples());
-        if left == 0 || stop.load(Ordering::Relaxed) {
+        if left == 0 {
             break;
         }
         let pass = Instant::now();
         let Rendering { scene, camera, settings, .. } = &rendering;
         lost += render(scene, camera, settings, &mut film, per_pass.min(left), stop).lost_paths;
+        if stop.load(Ordering::Relaxed) {
+            // The pass is not on the film, which may have no new sample to tell the time that is left from.
+            break;
+        }
         let (took, spent) = (pass.elapsed(), begun.elapsed());
         let is_quiet = options.noise.is_some_and(|noise| film.samples() > 1 && film.noise() <= noise);
         if is_quiet || limit.is_some_and(|limit| spent >= limit) {
